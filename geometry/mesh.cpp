@@ -1,0 +1,190 @@
+#include "geometry/mesh.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace promenade {
+
+Box bounds(const Mesh& mesh) {
+  Box box;
+  for (const glm::vec3& p : mesh.positions) box.add(p);
+  return box;
+}
+
+uint64_t byte_size(const Mesh& mesh) {
+  return mesh.positions.size() * sizeof(glm::vec3) + mesh.normals.size() * sizeof(glm::vec3) +
+         mesh.texcoords.size() * sizeof(glm::vec2) + mesh.colors.size() * sizeof(glm::u8vec4) +
+         (mesh.indices.size() + mesh.materials.size()) * sizeof(uint32_t);
+}
+
+namespace {
+
+template <class V>
+bool finite(const V& v) {
+  for (int i = 0; i < V::length(); ++i)
+    if (!std::isfinite(v[i])) return false;
+  return true;
+}
+
+template <class V>
+std::string find_non_finite(const std::vector<V>& values, const char* what) {
+  for (size_t i = 0; i < values.size(); ++i)
+    if (!finite(values[i])) return fmt::format("{} {} is not finite", what, i);
+  return {};
+}
+
+/// Gives `mesh` the normals that it would be drawn with: vertices are split per corner, because flat faces share none.
+void make_flat_normals(Mesh& mesh) {
+  Mesh flat;
+  const size_t corners = mesh.indices.size();
+  flat.materials = mesh.materials;
+  flat.positions.reserve(corners), flat.normals.reserve(corners), flat.indices.reserve(corners);
+  for (size_t c = 0; c < corners; ++c) {
+    const uint32_t v = mesh.indices[c];
+    const glm::vec3 cross = triangle_cross(mesh, c / 3);
+    const float length = glm::length(cross);
+    flat.positions.push_back(mesh.positions[v]);
+    flat.normals.push_back(length > 0 ? cross / length : glm::vec3(0, 0, 1));
+    if (!mesh.texcoords.empty()) flat.texcoords.push_back(mesh.texcoords[v]);
+    if (!mesh.colors.empty()) flat.colors.push_back(mesh.colors[v]);
+    flat.indices.push_back(static_cast<uint32_t>(c));
+  }
+  mesh = std::move(flat);
+}
+
+template <class V>
+void append_attribute(std::vector<V>& a, size_t a_count, const std::vector<V>& b, size_t b_count, const V& fill) {
+  if (a.empty() && b.empty()) return;
+  a.resize(a_count, fill);
+  if (b.empty())
+    a.resize(a_count + b_count, fill);
+  else
+    a.insert(a.end(), b.begin(), b.end());
+}
+
+}  // namespace
+
+std::string find_defect(const Mesh& mesh) {
+  const size_t v = mesh.positions.size();
+  if (!mesh.normals.empty() && mesh.normals.size() != v)
+    return fmt::format("{} normals for {} vertices", mesh.normals.size(), v);
+  if (!mesh.texcoords.empty() && mesh.texcoords.size() != v)
+    return fmt::format("{} texture coordinates for {} vertices", mesh.texcoords.size(), v);
+  if (!mesh.colors.empty() && mesh.colors.size() != v)
+    return fmt::format("{} colours for {} vertices", mesh.colors.size(), v);
+  if (mesh.indices.size() % 3 != 0)
+    return fmt::format("{} indices are no whole number of triangles", mesh.indices.size());
+  if (!mesh.materials.empty() && mesh.materials.size() != mesh.triangle_count())
+    return fmt::format("{} materials for {} triangles", mesh.materials.size(), mesh.triangle_count());
+  for (size_t i = 0; i < mesh.indices.size(); ++i)
+    if (mesh.indices[i] >= v) return fmt::format("index {} is {}, but there are {} vertices", i, mesh.indices[i], v);
+  for (std::string defect : {find_non_finite(mesh.positions, "position"), find_non_finite(mesh.normals, "normal"),
+                             find_non_finite(mesh.texcoords, "texture coordinate")})
+    if (!defect.empty()) return defect;
+  return {};
+}
+
+void append(Mesh& a, const Mesh& b) {
+  if (b.positions.empty()) return;
+  if (a.positions.empty()) {
+    a = b;
+    return;
+  }
+  if (a.normals.empty() && !b.normals.empty()) make_flat_normals(a);
+  if (!a.normals.empty() && b.normals.empty()) {
+    Mesh with_normals = b;
+    make_flat_normals(with_normals);
+    append(a, with_normals);
+    return;
+  }
+  const size_t a_vertices = a.vertex_count();
+  const size_t a_triangles = a.triangle_count();
+  const auto base = static_cast<uint32_t>(a_vertices);
+  a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
+  a.normals.insert(a.normals.end(), b.normals.begin(), b.normals.end());
+  append_attribute(a.texcoords, a_vertices, b.texcoords, b.vertex_count(), glm::vec2(0));
+  append_attribute(a.colors, a_vertices, b.colors, b.vertex_count(), glm::u8vec4(255));
+  append_attribute(a.materials, a_triangles, b.materials, b.triangle_count(), 0U);
+  a.indices.reserve(a.indices.size() + b.indices.size());
+  for (const uint32_t i : b.indices) a.indices.push_back(base + i);
+}
+
+Mesh transformed(const Mesh& mesh, const glm::dmat4& to_from_mesh) {
+  Mesh out = mesh;
+  const glm::dmat3 linear(to_from_mesh);
+  const double determinant = glm::determinant(linear);
+  for (glm::vec3& p : out.positions) p = glm::vec3(glm::dvec3(to_from_mesh * glm::dvec4(glm::dvec3(p), 1.0)));
+  if (!out.normals.empty()) {
+    // The cofactor matrix is det * inverse transpose and exists for singular transforms too.
+    const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                              glm::cross(linear[0], linear[1]));
+    const double sign = determinant < 0 ? -1.0 : 1.0;
+    for (glm::vec3& n : out.normals) {
+      const glm::dvec3 turned = sign * (cofactor * glm::dvec3(n));
+      const double length = glm::length(turned);
+      n = length > 0 ? glm::vec3(turned / length) : glm::vec3(0, 0, 1);
+    }
+  }
+  if (determinant < 0)
+    for (size_t i = 0; i + 2 < out.indices.size(); i += 3) std::swap(out.indices[i + 1], out.indices[i + 2]);
+  return out;
+}
+
+Mesh submesh(const Mesh& mesh, const std::vector<uint32_t>& triangles) {
+  constexpr uint32_t kUnused = 0xffffffffU;
+  std::vector<uint32_t> renamed(mesh.vertex_count(), kUnused);
+  Mesh out;
+  out.indices.reserve(triangles.size() * 3);
+  for (const uint32_t t : triangles) {
+    for (size_t corner = 0; corner < 3; ++corner) {
+      const uint32_t v = mesh.indices[size_t(t) * 3 + corner];
+      if (renamed[v] == kUnused) {
+        renamed[v] = static_cast<uint32_t>(out.positions.size());
+        out.positions.push_back(mesh.positions[v]);
+        if (!mesh.normals.empty()) out.normals.push_back(mesh.normals[v]);
+        if (!mesh.texcoords.empty()) out.texcoords.push_back(mesh.texcoords[v]);
+        if (!mesh.colors.empty()) out.colors.push_back(mesh.colors[v]);
+      }
+      out.indices.push_back(renamed[v]);
+    }
+    if (!mesh.materials.empty()) out.materials.push_back(mesh.materials[t]);
+  }
+  return out;
+}
+
+glm::vec3 triangle_cross(const Mesh& mesh, size_t triangle) {
+  const glm::vec3& a = mesh.positions[mesh.indices[3 * triangle]];
+  const glm::vec3& b = mesh.positions[mesh.indices[3 * triangle + 1]];
+  const glm::vec3& c = mesh.positions[mesh.indices[3 * triangle + 2]];
+  return glm::cross(b - a, c - a);
+}
+
+double surface_area_m2(const Mesh& mesh) {
+  double area = 0;
+  for (size_t t = 0; t < mesh.triangle_count(); ++t) area += 0.5 * double(glm::length(triangle_cross(mesh, t)));
+  return area;
+}
+
+float srgb_to_linear(uint8_t value) {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> t{};
+    for (size_t i = 0; i < t.size(); ++i) {
+      const double s = double(i) / 255.0;
+      t[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+    }
+    return t;
+  }();
+  return table[value];
+}
+
+uint8_t linear_to_srgb(float value) {
+  const double v = std::clamp(double(value), 0.0, 1.0);
+  const double s = v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
+  return static_cast<uint8_t>(std::lround(s * 255.0));
+}
+
+}  // namespace promenade

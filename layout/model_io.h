@@ -1,0 +1,70 @@
+#pragma once
+// Writing and opening a model: a directory with manifest.json, tables.bin and a few large data files. See FORMAT.md.
+
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "geometry/job_monitor.h"
+#include "layout/file_io.h"
+#include "layout/model.h"
+
+namespace promenade {
+
+/// Writes a model into "PATH.partial" and publishes it by one rename. What stood at PATH (a model, or nothing; never
+/// anything else) is replaced only then. Destroyed without finish(): PATH is untouched. One thread.
+class ModelWriter {
+ public:
+  /// Refuses a PATH that exists and is no model.
+  static Result<ModelWriter> create(const std::filesystem::path& path, FileSystem& files = real_file_system());
+  ModelWriter(ModelWriter&&) noexcept;
+  ModelWriter& operator=(ModelWriter&&) noexcept;
+  ~ModelWriter();
+
+  /// Appends bytes to the data file of that type (geometry.bin or textures.bin) and returns the segment's index.
+  Result<uint32_t> append(SegmentRecord::Type type, std::span<const std::byte> bytes);
+
+  /// Writes tables and manifest (files, segments and checksums are filled in here), checks find_defect, syncs and
+  /// renames.
+  Status finish(ModelTables tables, ModelManifest manifest);
+
+ private:
+  struct State;
+  explicit ModelWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// An open model. Tables are in memory; segments are read on demand, from any thread at once.
+class ModelReader {
+ public:
+  /// Reads and checks manifest and tables. An error names file, section, offset, what was found and the limit.
+  static Result<ModelReader> open(const std::filesystem::path& path, FileSystem& files = real_file_system());
+  ModelReader(ModelReader&&) noexcept;
+  ModelReader& operator=(ModelReader&&) noexcept;
+  ~ModelReader();
+
+  const Model& model() const;
+
+  /// A piece of a segment: into.size() bytes from `offset` within it. Not checked against the checksum: pieces cannot
+  /// be; check_segment does.
+  Status read_piece(uint32_t segment, uint64_t offset, std::span<std::byte> into) const;
+  /// Compares whole stored bytes with the checksum.
+  Status check_segment(uint32_t segment, std::span<const std::byte> bytes) const;
+  /// Whole segment, checked.
+  Result<std::vector<std::byte>> read_segment(uint32_t segment) const;
+
+  /// Reads, checks and decodes a node's mesh.
+  Result<Mesh> read_mesh(NodeId id) const;
+  /// Reads, checks and decodes a texture's picture.
+  Result<Image> read_texture(uint32_t texture) const;
+
+ private:
+  struct State;
+  explicit ModelReader(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Checks every segment of the model against its checksum. Error: the first that fails.
+Status verify_checksums(const ModelReader& reader, JobMonitor& monitor);
+
+}  // namespace promenade

@@ -1,0 +1,47 @@
+#pragma once
+// From a source to a model: the stages of preprocessing in order.
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "codec/geometry_codec.h"
+#include "geometry/job_monitor.h"
+#include "geometry/result.h"
+#include "preprocess/import.h"
+
+namespace promenade {
+
+struct BuildOptions {
+  std::vector<std::filesystem::path> sources;
+  std::filesystem::path model;  ///< directory to publish
+  ImportOptions import;
+  uint64_t memory_bytes = uint64_t(4) << 30;  ///< hard bound on resident memory
+  uint32_t jobs = 0;                          ///< threads; 0: as many as cores
+  uint32_t node_triangles = 2000;  ///< most triangles of a node; 100 to 60000. More: fewer draws, coarser culling
+  uint32_t level_factor = 4;       ///< children per node and triangles' ratio between levels; 2 to 16 [lakhia2004: 4]
+  GeometryCodec geometry_codec = GeometryCodec::meshopt;
+  uint32_t max_texture_px = 2048;  ///< longest side of a stored texture; 64 to 16384
+  int jpeg_quality = 85;
+};
+
+/// What `build --json` prints, besides build_wall_s and peak_rss_bytes.
+struct BuildFigures {
+  uint64_t triangles_in = 0;
+  uint64_t nodes = 0, leaves = 0, levels = 0;
+  uint64_t triangles_stored = 0;
+  uint64_t spill_bytes_peak = 0;
+  uint64_t units_total = 0, units_resumed = 0;
+  std::map<std::string, uint64_t> bytes_by_part;  ///< "geometry", "textures", "tables", "manifest"
+  std::map<std::string, double> stage_wall_s;     ///< "survey", "partition", "simplify", ...
+  std::map<std::string, uint64_t> import_counts;
+  std::vector<std::string> warnings;
+};
+
+/// Runs the whole build. Interrupted or killed: nothing under the model's name; the work done so far stays in
+/// MODEL.work and is taken up again by the same command, with the same bytes in the end. Another build into the same
+/// model at once is refused.
+Result<BuildFigures> build_model(const BuildOptions& options, JobMonitor& monitor);
+
+}  // namespace promenade

@@ -1,0 +1,50 @@
+#pragma once
+// A scene: what one part of a source holds, read once, instances not flattened.
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/mat4x4.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "geometry/mesh.h"
+
+namespace promenade {
+
+/// A texture as the source has it: encoded bytes (embedded, or read from a file beside the source), decoded when
+/// needed.
+struct SourceTexture {
+  std::string name;                ///< for messages: file name or image name
+  std::vector<std::byte> encoded;  ///< empty: missing or unreadable; drawn in a plain colour and named in the report
+};
+
+/// An object: a mesh placed in the world.
+struct SceneInstance {
+  uint32_t mesh = 0;
+  glm::dmat4 world_from_mesh{
+      1.0};                ///< double: a mesh at UTM coordinates keeps small numbers in the mesh and the offset here
+  std::string name;        ///< as in the source; may be empty
+  std::string class_name;  ///< "chair", "Building", ...; may be empty
+};
+
+/// What import found and mended. Names of counts are stable: they go into the manifest and --json.
+struct ImportReport {
+  /// Keys: triangles, vertices, instances, meshes, textures_missing, vertices_non_finite, vertices_out_of_range,
+  /// faces_degenerate, faces_duplicate, faces_non_planar, faces_reoriented, faces_dropped, ... A count of 0 may be
+  /// absent.
+  std::map<std::string, uint64_t> counts;
+  std::vector<std::string> warnings;  ///< one line each, e.g. "missing texture facade.png"
+};
+
+/// Metres, z up, world coordinates.
+struct Scene {
+  std::vector<Mesh> meshes;         ///< Mesh::materials index `materials`; find_defect empty for each
+  std::vector<Material> materials;  ///< Material::texture indexes `textures`; at least one
+  std::vector<SourceTexture> textures;
+  std::vector<SceneInstance> instances;
+  ImportReport report;
+};
+
+}  // namespace promenade
