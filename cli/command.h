@@ -26,6 +26,9 @@ struct Command {
 Command add_generate(CLI::App& program);
 Command add_build(CLI::App& program);
 Command add_info(CLI::App& program);
+Command add_render(CLI::App& program);
+Command add_fly(CLI::App& program);
+Command add_view(CLI::App& program);
 
 struct ImportOptions;
 /// --unit, --up, --no-repair: how a source is read.
