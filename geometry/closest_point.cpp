@@ -1,7 +1,10 @@
 #include "geometry/closest_point.h"
 
+#include <smmintrin.h>
+
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
@@ -232,56 +235,76 @@ ClosestPointTree::ClosestPointTree(std::span<const glm::vec3> positions, std::sp
 
 namespace {
 
-/// A point in a triangle's frame, and the squared distance there. Inside is judged strictly: a flat triangle has none.
-struct InFrame {
-  float x, y, z;
-};
+// Four lanes at once. g++ and clang give __m128 the arithmetic operators; neither turns the plain loops into vector
+// code.
+using Lanes = __m128;
 
-inline float clamp01(float t) {
-  const float low = t > 0.0F ? t : 0.0F;
-  return low < 1.0F ? low : 1.0F;
-}
+inline Lanes lower(Lanes a, Lanes b) { return _mm_min_ps(a, b); }
+inline Lanes upper(Lanes a, Lanes b) { return _mm_max_ps(a, b); }
+inline Lanes clamp01(Lanes t) { return lower(upper(t, _mm_setzero_ps()), _mm_set1_ps(1)); }
 
-inline float distance2_in_frame(const InFrame& p, float base, float apex_x, float apex_y, float inverse_left2,
-                                float inverse_right2) {
-  const float on_base = p.x > 0.0F ? p.x : 0.0F;
-  const float base_dx = p.x - (on_base < base ? on_base : base);
-  const float base2 = base_dx * base_dx + p.y * p.y;
+/// Squared distance of points in the frames of their triangles. Inside is judged strictly: a flat triangle has none.
+inline Lanes distance2_in_frame(Lanes x, Lanes y, Lanes z, Lanes base, Lanes apex_x, Lanes apex_y, Lanes inverse_left2,
+                                Lanes inverse_right2) {
+  const Lanes base_dx = x - lower(upper(x, _mm_setzero_ps()), base);
+  const Lanes base2 = base_dx * base_dx + y * y;
 
-  const float left_t = clamp01((p.x * apex_x + p.y * apex_y) * inverse_left2);
-  const float left_dx = p.x - left_t * apex_x;
-  const float left_dy = p.y - left_t * apex_y;
-  const float left2 = left_dx * left_dx + left_dy * left_dy;
+  const Lanes left_t = clamp01((x * apex_x + y * apex_y) * inverse_left2);
+  const Lanes left_dx = x - left_t * apex_x;
+  const Lanes left_dy = y - left_t * apex_y;
+  const Lanes left2 = left_dx * left_dx + left_dy * left_dy;
 
-  const float from_base = p.x - base;
-  const float edge_x = apex_x - base;
-  const float right_t = clamp01((from_base * edge_x + p.y * apex_y) * inverse_right2);
-  const float right_dx = from_base - right_t * edge_x;
-  const float right_dy = p.y - right_t * apex_y;
-  const float right2 = right_dx * right_dx + right_dy * right_dy;
+  const Lanes from_base = x - base;
+  const Lanes edge_x = apex_x - base;
+  const Lanes right_t = clamp01((from_base * edge_x + y * apex_y) * inverse_right2);
+  const Lanes right_dx = from_base - right_t * edge_x;
+  const Lanes right_dy = y - right_t * apex_y;
+  const Lanes right2 = right_dx * right_dx + right_dy * right_dy;
 
-  float edges2 = base2 < left2 ? base2 : left2;
-  edges2 = edges2 < right2 ? edges2 : right2;
-  const float left_side = apex_y * p.x - apex_x * p.y;
-  const float right_side = edge_x * p.y - apex_y * from_base;
-  float inside = left_side < right_side ? left_side : right_side;
-  inside = inside < p.y ? inside : p.y;
-  return (inside > 0.0F ? 0.0F : edges2) + p.z * p.z;
+  const Lanes left_side = apex_y * x - apex_x * y;
+  const Lanes right_side = edge_x * y - apex_y * from_base;
+  const Lanes inside = _mm_cmpgt_ps(lower(lower(left_side, right_side), y), _mm_setzero_ps());
+  return _mm_andnot_ps(inside, lower(lower(base2, left2), right2)) + z * z;
 }
 
 }  // namespace
 
-// One loop without branches over whole lanes: compilers make vector code of it.
-void ClosestPointTree::measure(const Block& block, const glm::vec3& p, float (&distance2)[kLanes]) {
-  for (size_t i = 0; i < kLanes; ++i) {
-    const float dx = p.x - block.origin_x[i];
-    const float dy = p.y - block.origin_y[i];
-    const float dz = p.z - block.origin_z[i];
-    const InFrame q{dx * block.x_x[i] + dy * block.x_y[i] + dz * block.x_z[i],
-                    dx * block.y_x[i] + dy * block.y_y[i] + dz * block.y_z[i],
-                    dx * block.z_x[i] + dy * block.z_y[i] + dz * block.z_z[i]};
-    distance2[i] = distance2_in_frame(q, block.base[i], block.apex_x[i], block.apex_y[i], block.inverse_left2[i],
-                                      block.inverse_right2[i]);
+struct ClosestPointTree::Query {
+  Lanes x, y, z;
+  explicit Query(const glm::vec3& p) : x(_mm_set1_ps(p.x)), y(_mm_set1_ps(p.y)), z(_mm_set1_ps(p.z)) {}
+
+  /// Squared distances to triangles `first` to `first + 3` of a block.
+  Lanes to_triangles(const Block& b, size_t first) const {
+    const auto at = [first](const float(&values)[kLanes]) { return _mm_load_ps(values + first); };
+    const Lanes dx = x - at(b.origin_x), dy = y - at(b.origin_y), dz = z - at(b.origin_z);
+    return distance2_in_frame(dx * at(b.x_x) + dy * at(b.x_y) + dz * at(b.x_z),
+                              dx * at(b.y_x) + dy * at(b.y_y) + dz * at(b.y_z),
+                              dx * at(b.z_x) + dy * at(b.z_y) + dz * at(b.z_z), at(b.base), at(b.apex_x), at(b.apex_y),
+                              at(b.inverse_left2), at(b.inverse_right2));
+  }
+
+  /// Squared distances to boxes `first` to `first + 3` of a node.
+  Lanes to_boxes(const Node& n, size_t first) const {
+    const auto outside = [first](Lanes p, const float(&low)[kWidth], const float(&high)[kWidth]) {
+      const Lanes d = upper(_mm_load_ps(low + first) - p, p - _mm_load_ps(high + first));
+      return upper(d, _mm_setzero_ps());
+    };
+    const Lanes dx = outside(x, n.min_x, n.max_x), dy = outside(y, n.min_y, n.max_y), dz = outside(z, n.min_z, n.max_z);
+    return dx * dx + dy * dy + dz * dz;
+  }
+};
+
+void ClosestPointTree::search_leaf(uint32_t first, uint32_t blocks, const Query& query, Nearest& best) const {
+  for (uint32_t b = first; b < first + blocks; ++b) {
+    const Lanes low = query.to_triangles(blocks_[b], 0);
+    const Lanes high = query.to_triangles(blocks_[b], 4);
+    const Lanes limit = _mm_set1_ps(best.distance2_m2);
+    if (_mm_movemask_ps(_mm_cmplt_ps(lower(low, high), limit)) == 0) continue;
+    alignas(16) float d2[kLanes];
+    _mm_store_ps(d2, low);
+    _mm_store_ps(d2 + 4, high);
+    for (size_t i = 0; i < kLanes; ++i)
+      if (d2[i] < best.distance2_m2) best = {d2[i], blocks_[b].triangle[i]};
   }
 }
 
@@ -292,6 +315,7 @@ ClosestPointTree::Nearest ClosestPointTree::nearest(const glm::vec3& p, const Li
     const float d2 = distance2_to(limits.hint, p);
     if (d2 < best.distance2_m2) best = {d2, limits.hint};
   }
+  const Query query(p);
   struct Entry {
     float distance2;
     uint32_t child;
@@ -305,36 +329,21 @@ ClosestPointTree::Nearest ClosestPointTree::nearest(const glm::vec3& p, const Li
     if (entry.distance2 >= best.distance2_m2) continue;
     if (best.distance2_m2 <= limits.enough_distance2_m2 && best.triangle != kNoTriangle) break;
     if ((entry.child & kLeafBit) != 0) {
-      const uint32_t first = entry.child & ~kLeafBit;
-      for (uint32_t b = first; b < first + entry.blocks; ++b) {
-        alignas(16) float d2[kLanes];
-        measure(blocks_[b], p, d2);
-        float least = d2[0];
-        for (size_t i = 1; i < kLanes; ++i) least = d2[i] < least ? d2[i] : least;
-        if (!(least < best.distance2_m2)) continue;
-        for (size_t i = 0; i < kLanes; ++i)
-          if (d2[i] == least) {
-            best = {least, blocks_[b].triangle[i]};
-            break;
-          }
-      }
+      search_leaf(entry.child & ~kLeafBit, entry.blocks, query, best);
       continue;
     }
     const Node& node = nodes_[entry.child];
     alignas(16) float d2[kWidth];
-    for (size_t i = 0; i < kWidth; ++i) {
-      const float below_x = node.min_x[i] - p.x, above_x = p.x - node.max_x[i];
-      const float below_y = node.min_y[i] - p.y, above_y = p.y - node.max_y[i];
-      const float below_z = node.min_z[i] - p.z, above_z = p.z - node.max_z[i];
-      float x = below_x > above_x ? below_x : above_x;
-      float y = below_y > above_y ? below_y : above_y;
-      float z = below_z > above_z ? below_z : above_z;
-      x = x > 0.0F ? x : 0.0F, y = y > 0.0F ? y : 0.0F, z = z > 0.0F ? z : 0.0F;
-      d2[i] = x * x + y * y + z * z;
-    }
+    const Lanes limit = _mm_set1_ps(best.distance2_m2);
+    const Lanes low = query.to_boxes(node, 0);
+    const Lanes high = query.to_boxes(node, 4);
+    _mm_store_ps(d2, low);
+    _mm_store_ps(d2 + 4, high);
+    auto nearer = static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(low, limit)) |
+                                        (_mm_movemask_ps(_mm_cmplt_ps(high, limit)) << 4));
     const size_t base = top;
-    for (size_t i = 0; i < kWidth; ++i) {
-      if (d2[i] >= best.distance2_m2) continue;
+    for (; nearer != 0; nearer &= nearer - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(nearer));
       size_t at = top++;
       for (; at > base && stack[at - 1].distance2 < d2[i]; --at) stack[at] = stack[at - 1];  // nearest on top
       stack[at] = {d2[i], node.child[i], node.blocks[i]};
@@ -345,16 +354,9 @@ ClosestPointTree::Nearest ClosestPointTree::nearest(const glm::vec3& p, const Li
 
 float ClosestPointTree::distance2_to(uint32_t triangle, const glm::vec3& p) const {
   const uint32_t slot = slot_of_triangle_[triangle];
-  const Block& block = blocks_[slot / kLanes];
-  const size_t i = slot % kLanes;
-  const float dx = p.x - block.origin_x[i];
-  const float dy = p.y - block.origin_y[i];
-  const float dz = p.z - block.origin_z[i];
-  const InFrame q{dx * block.x_x[i] + dy * block.x_y[i] + dz * block.x_z[i],
-                  dx * block.y_x[i] + dy * block.y_y[i] + dz * block.y_z[i],
-                  dx * block.z_x[i] + dy * block.z_y[i] + dz * block.z_z[i]};
-  return distance2_in_frame(q, block.base[i], block.apex_x[i], block.apex_y[i], block.inverse_left2[i],
-                            block.inverse_right2[i]);
+  alignas(16) float d2[4];
+  _mm_store_ps(d2, Query(p).to_triangles(blocks_[slot / kLanes], slot % kLanes / 4 * 4));
+  return d2[slot % 4];
 }
 
 ClosestPoint ClosestPointTree::closest_on(uint32_t triangle, const glm::vec3& p) const {
@@ -378,7 +380,7 @@ ClosestPoint ClosestPointTree::closest_on(uint32_t triangle, const glm::vec3& p)
     for (int e = 0; e < 3; ++e) {
       const glm::vec2 from = corner[e], along = corner[(e + 1) % 3] - from;
       const float length2 = glm::dot(along, along);
-      const float t = length2 > 0 ? clamp01(glm::dot(q - from, along) / length2) : 0;
+      const float t = length2 > 0 ? glm::clamp(glm::dot(q - from, along) / length2, 0.0F, 1.0F) : 0;
       const glm::vec2 off = q - from - t * along;
       if (const float d2 = glm::dot(off, off); d2 < least) {
         least = d2;

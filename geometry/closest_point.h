@@ -96,7 +96,8 @@ class ClosestPointTree {
   };
 
   struct Builder;
-  static void measure(const Block& block, const glm::vec3& p, float (&distance2)[kLanes]);
+  struct Query;
+  void search_leaf(uint32_t first, uint32_t blocks, const Query& query, Nearest& best) const;
 
   std::vector<Node> nodes_;
   std::vector<Block> blocks_;
