@@ -11,8 +11,8 @@ namespace promenade {
 
 ProgramRun run_program(const std::string& words, const std::filesystem::path& folder) {
   const std::filesystem::path out = folder / ".stdout", err = folder / ".stderr";
-  const std::string command = "cd '" + folder.string() + "' && timeout 120 " PROMENADE_PROGRAM " " + words + " >'" + out.string() +
-                              "' 2>'" + err.string() + "' </dev/null";
+  const std::string command = "cd '" + folder.string() + "' && timeout 120 " PROMENADE_PROGRAM " " + words + " >'" +
+                              out.string() + "' 2>'" + err.string() + "' </dev/null";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
 }
@@ -27,7 +27,9 @@ TemporaryFolder::~TemporaryFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-void write_text(const std::filesystem::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
 
 std::string read_text(const std::filesystem::path& path) {
   std::ostringstream text;
