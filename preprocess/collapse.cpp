@@ -168,6 +168,15 @@ void Collapser::unlink_dead(uint32_t place) {
   }
 }
 
+/// Whether the corner's triangle, moved to `target`, would lie there twice, in the same turn.
+bool Collapser::has_twin(uint32_t corner, uint32_t target) const {
+  const uint32_t next = work_.place[next_corner_in(corner)];
+  const uint32_t previous = work_.place[previous_corner_in(corner)];
+  for (uint32_t c = work_.first_corner[target]; c != kNone; c = work_.next_corner[c])
+    if (work_.place[next_corner_in(c)] == next && work_.place[previous_corner_in(c)] == previous) return true;
+  return false;
+}
+
 void Collapser::collapse(uint32_t place, uint32_t target) {
   // Along the triangles that go, attributes of the place lead over to those of the target on the same side of a seam.
   std::array<std::array<uint32_t, 2>, 16> leads;  // NOLINT(cppcoreguidelines-pro-type-member-init)
@@ -183,6 +192,7 @@ void Collapser::collapse(uint32_t place, uint32_t target) {
   unlink_dead(target);
   for (uint32_t c = work_.first_corner[place]; c != kNone;) {
     const uint32_t next = work_.next_corner[c];
+    if (work_.alive[triangle_of(c)] != 0 && has_twin(c, target)) work_.kill(triangle_of(c));
     if (work_.alive[triangle_of(c)] != 0) {
       for (size_t i = 0; i < lead_count; ++i)
         if (leads[i][0] == work_.attributes[c]) {

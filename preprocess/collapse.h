@@ -47,6 +47,7 @@ class Collapser {
   void add_edge_planes(const std::vector<uint8_t>& cell_faces);
   float cost(uint32_t place, uint32_t target) const;
   void unlink_dead(uint32_t place);
+  bool has_twin(uint32_t corner, uint32_t target) const;
 
   WorkMesh& work_;
   const Mesh& source_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "preprocess/collapse.h"
 #include "preprocess/cost_queue.h"
@@ -60,6 +61,7 @@ class Simplifier {
     collapser_.allow_flips(true);
     queue_places();
     drain();
+    if (work_.alive_count > target_) kill_smallest();
   }
 
  private:
@@ -126,6 +128,17 @@ class Simplifier {
       for (uint32_t c = 0; c < 3; ++c) queue_.remove(work_.place[t * 3 + c]);
       work_.kill(t);
     }
+  }
+
+  /// What no collapse and no removal can take: single triangles and sheets back to back.
+  void kill_smallest() {
+    std::vector<std::pair<float, uint32_t>> by_area;
+    for (uint32_t t = 0; t < work_.triangle_count(); ++t)
+      if (work_.alive[t] != 0)
+        by_area.emplace_back(
+            glm::length(glm::cross(work_.at(t * 3 + 1) - work_.at(t * 3), work_.at(t * 3 + 2) - work_.at(t * 3))), t);
+    std::sort(by_area.begin(), by_area.end());
+    for (size_t i = 0; work_.alive_count > target_; ++i) work_.kill(by_area[i].second);
   }
 
   WorkMesh& work_;

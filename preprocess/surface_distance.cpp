@@ -19,9 +19,10 @@ namespace {
 
 constexpr size_t kMaxCorners = 16;  // of a piece; from kCrowded on only halving is allowed, which takes corners away
 constexpr size_t kCrowded = 10;
-constexpr uint32_t kMaxDepth = 40;         // cuts of one triangle below each other
+constexpr uint32_t kMaxDepth = 40;         // halvings of one triangle below each other
 constexpr size_t kPiecesPerTriangle = 32;  // bounds the time on hostile input
 constexpr uint32_t kSamples = 1024;        // of each direction: ten of them above the 99th percentile
+constexpr float kWellInside = 1e-4F;       // barycentric: cuts nearer to a border would gain nothing, for ever
 constexpr float kFloorShare = 1e-5F;       // of the diagonal: differences below it are not pursued
 constexpr float kQueryRounding = 2e-6F;    // see ClosestPointTree
 constexpr float kCoordinateRounding = 0x1p-23F;
@@ -127,7 +128,7 @@ class Direction {
 
   /// Bounds the distance over every triangle. After measure_vertices of both directions.
   void bound_triangles() {
-    pieces_left_ = from_.triangle_count() * kPiecesPerTriangle + 1000;
+    pieces_left_ = (from_.triangle_count() + to_.triangle_count()) * kPiecesPerTriangle + 1000;
     for (size_t t = 0; t < from_.triangle_count(); ++t) bound_triangle(t);
   }
 
@@ -198,7 +199,6 @@ class Direction {
     piece.bound = std::min(piece.bound, bound);
     piece.hint = found.triangle;
     if (piece.bound <= measure_.good_enough()) return settle(piece.bound);
-    ++piece.depth;
     if (piece.count < kCrowded && cut_along(piece, center, measure_.good_enough() - found.distance)) return;
     halve(piece);
   }
@@ -213,7 +213,7 @@ class Direction {
   /// is no use: the triangle is no larger than what halving would reach (`reach`), or has the whole piece over it.
   bool cut_along(const Piece& piece, const glm::vec3& center, float reach) {
     const ClosestPoint below = tree_.closest_on(piece.hint, center);
-    if (std::min({below.barycentric.x, below.barycentric.y, below.barycentric.z}) <= 0) return false;
+    if (std::min({below.barycentric.x, below.barycentric.y, below.barycentric.z}) <= kWellInside) return false;
     const size_t t = size_t(piece.hint) * 3;
     const std::array<glm::vec3, 3> b = {to_.positions[to_.indices[t]], to_.positions[to_.indices[t + 1]],
                                         to_.positions[to_.indices[t + 2]]};
@@ -228,8 +228,12 @@ class Direction {
       const float length = glm::length(outward);
       if (!(length > 0)) continue;
       outward /= length;
-      cut(inside, outward, glm::dot(outward, b[e]), remaining, outside);
-      if (outside.count < 3) continue;
+      const float offset = glm::dot(outward, b[e]);
+      float farthest = std::numeric_limits<float>::lowest();
+      for (uint32_t i = 0; i < inside.count; ++i)
+        farthest = std::max(farthest, glm::dot(outward, inside.corners[i]) - offset);
+      if (farthest <= measure_.floor + cut_rounding_) continue;
+      cut(inside, outward, offset, remaining, outside);
       if (remaining.count < 3) break;  // rounding: the centre was inside
       any = true;
       push(outside, piece);
@@ -246,7 +250,7 @@ class Direction {
   }
 
   /// Cuts across the piece's longest diagonal.
-  void halve(const Piece& piece) {
+  void halve(Piece& piece) {
     float longest2 = -1;
     glm::vec3 from(0), to(0);
     for (uint32_t i = 0; i < piece.count; ++i)
@@ -255,6 +259,7 @@ class Direction {
         if (const float d2 = glm::dot(d, d); d2 > longest2)
           longest2 = d2, from = piece.corners[i], to = piece.corners[j];
       }
+    ++piece.depth;
     const glm::vec3 along = to - from;
     Piece first, second;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     cut(piece, along, glm::dot(along, from + 0.5F * along), first, second);
