@@ -267,6 +267,10 @@ inline Lanes distance2_in_frame(Lanes x, Lanes y, Lanes z, Lanes base, Lanes ape
   return _mm_andnot_ps(inside, lower(lower(base2, left2), right2)) + z * z;
 }
 
+bool is_visible(const ClosestPointTree::Limits& limits, uint32_t triangle) {
+  return limits.group_hidden == nullptr || limits.group_hidden[limits.group_of_triangle[triangle]] == 0;
+}
+
 }  // namespace
 
 struct ClosestPointTree::Query {
@@ -294,7 +298,8 @@ struct ClosestPointTree::Query {
   }
 };
 
-void ClosestPointTree::search_leaf(uint32_t first, uint32_t blocks, const Query& query, Nearest& best) const {
+void ClosestPointTree::search_leaf(uint32_t first, uint32_t blocks, const Query& query, const Limits& limits,
+                                   Nearest& best) const {
   for (uint32_t b = first; b < first + blocks; ++b) {
     const Lanes low = query.to_triangles(blocks_[b], 0);
     const Lanes high = query.to_triangles(blocks_[b], 4);
@@ -304,14 +309,15 @@ void ClosestPointTree::search_leaf(uint32_t first, uint32_t blocks, const Query&
     _mm_store_ps(d2, low);
     _mm_store_ps(d2 + 4, high);
     for (size_t i = 0; i < kLanes; ++i)
-      if (d2[i] < best.distance2_m2) best = {d2[i], blocks_[b].triangle[i]};
+      if (d2[i] < best.distance2_m2 && is_visible(limits, blocks_[b].triangle[i]))
+        best = {d2[i], blocks_[b].triangle[i]};
   }
 }
 
 ClosestPointTree::Nearest ClosestPointTree::nearest(const glm::vec3& p, const Limits& limits) const {
   Nearest best{limits.max_distance2_m2, kNoTriangle};
   if (nodes_.empty()) return best;
-  if (limits.hint < slot_of_triangle_.size()) {
+  if (limits.hint < slot_of_triangle_.size() && is_visible(limits, limits.hint)) {
     const float d2 = distance2_to(limits.hint, p);
     if (d2 < best.distance2_m2) best = {d2, limits.hint};
   }
@@ -329,7 +335,7 @@ ClosestPointTree::Nearest ClosestPointTree::nearest(const glm::vec3& p, const Li
     if (entry.distance2 >= best.distance2_m2) continue;
     if (best.distance2_m2 <= limits.enough_distance2_m2 && best.triangle != kNoTriangle) break;
     if ((entry.child & kLeafBit) != 0) {
-      search_leaf(entry.child & ~kLeafBit, entry.blocks, query, best);
+      search_leaf(entry.child & ~kLeafBit, entry.blocks, query, limits, best);
       continue;
     }
     const Node& node = nodes_[entry.child];

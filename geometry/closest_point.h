@@ -47,6 +47,9 @@ class ClosestPointTree {
     uint32_t hint = kNoTriangle;
     /// Good enough: the search may stop at the first triangle found within this, nearest or not. 0: the nearest.
     float enough_distance2_m2 = 0;
+    /// Triangles to look through, as if they were not there: those whose group is hidden. Both or neither.
+    const uint32_t* group_of_triangle = nullptr;
+    const uint8_t* group_hidden = nullptr;
   };
 
   /// Squared distance and triangle only: the fast query.
@@ -97,7 +100,7 @@ class ClosestPointTree {
 
   struct Builder;
   struct Query;
-  void search_leaf(uint32_t first, uint32_t blocks, const Query& query, Nearest& best) const;
+  void search_leaf(uint32_t first, uint32_t blocks, const Query& query, const Limits& limits, Nearest& best) const;
 
   std::vector<Node> nodes_;
   std::vector<Block> blocks_;
