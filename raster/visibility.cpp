@@ -62,7 +62,7 @@ Frame frame_of(const RasterView& view, const VisibilityOptions& options) {
   return f;
 }
 
-void set_attributes(Item& item, const DrawItem& drawn) {
+void set_attributes(Item& item, const RasterItem& drawn) {
   const Mesh& mesh = drawn.mesh->attributes;
   if (mesh.indices.empty()) return;
   item.positions = &mesh.positions[0].x;
@@ -100,7 +100,7 @@ void set_transform(Item& item, const RasterView& view, const std::optional<glm::
   if (!(std::abs(det) > 0) || !finite(eye) || !finite(axis) || glm::length(eye) > double(kMaxCoordinate_m)) item.block_count = 0;
 }
 
-Item item_of(const DrawItem& drawn, const RasterView& view) {
+Item item_of(const RasterItem& drawn, const RasterView& view) {
   Item item = {};
   const PreparedMesh& mesh = *drawn.mesh;
   item.blocks = mesh.blocks.data();
@@ -114,7 +114,7 @@ Item item_of(const DrawItem& drawn, const RasterView& view) {
 }
 
 /// Ids in the order of (node, place in the list), a whole number of runs each.
-Status number_items(VisibilityBuffer::State& s, std::span<const DrawItem> items) {
+Status number_items(VisibilityBuffer::State& s, std::span<const RasterItem> items) {
   std::vector<uint32_t> order(items.size());
   std::iota(order.begin(), order.end(), 0U);
   const auto before = [&](uint32_t a, uint32_t b) {
@@ -147,7 +147,7 @@ void half_of(const Box& box, float* center, float* half) {
 }
 
 /// The items in the picture, from near to far.
-std::vector<Seen> items_in_view(const VisibilityBuffer::State& s, std::span<const DrawItem> items, const Kernels& kernels) {
+std::vector<Seen> items_in_view(const VisibilityBuffer::State& s, std::span<const RasterItem> items, const Kernels& kernels) {
   std::vector<Seen> seen;
   for (uint32_t i = 0; i < items.size(); ++i) {
     if (s.items[i].block_count == 0) continue;
@@ -251,14 +251,14 @@ uint32_t VisibilityBuffer::height_px() const { return state_->view.height_px; }
 const RasterView& VisibilityBuffer::view() const { return state_->view; }
 const VisibilityStats& VisibilityBuffer::stats() const { return state_->stats; }
 
-Status VisibilityBuffer::draw(const RasterView& view, std::span<const DrawItem> items, const VisibilityOptions& options) {
+Status VisibilityBuffer::draw(const RasterView& view, std::span<const RasterItem> items, const VisibilityOptions& options) {
   PROMENADE_TRY(check(view));
   State& s = *state_;
   const Clock::time_point start = Clock::now();
   const Kernels& kernels = kernels_of(options.simd);
   s.view = view, s.stats = {}, s.frame = frame_of(view, options);
   s.items.clear(), s.nodes.clear();
-  for (const DrawItem& item : items) s.items.push_back(item_of(item, view)), s.nodes.push_back(item.node);
+  for (const RasterItem& item : items) s.items.push_back(item_of(item, view)), s.nodes.push_back(item.node);
   PROMENADE_TRY(number_items(s, items));
   const std::vector<Seen> seen = items_in_view(s, items, kernels);
   s.stats.items = items.size(), s.stats.items_in_view = seen.size();

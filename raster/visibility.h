@@ -24,7 +24,7 @@ namespace promenade {
 constexpr uint32_t kNoTriangle = 0xffffffffU;
 
 /// A mesh in a picture.
-struct DrawItem {
+struct RasterItem {
   const PreparedMesh* mesh = nullptr;
   uint32_t node = 0;                       ///< what the picture calls it
   const SurfaceTable* surfaces = nullptr;  ///< null: plain white, opaque
@@ -70,7 +70,7 @@ class VisibilityBuffer {
   /// Draws the items as seen through the view. The items' meshes and surfaces must live until the last question about
   /// this picture. Refuses sizes of 0 or over kMaxPictureSide, a near plane that is not positive and finite
   /// (perspective), numbers that are not finite, and more than 2^32 - 2 triangles.
-  Status draw(const RasterView& view, std::span<const DrawItem> items, const VisibilityOptions& options = {});
+  Status draw(const RasterView& view, std::span<const RasterItem> items, const VisibilityOptions& options = {});
 
   uint32_t width_px() const;
   uint32_t height_px() const;

@@ -39,7 +39,7 @@ struct Scene {
   std::vector<PreparedMesh> prepared;
   std::vector<MipTexture> textures;
   std::unique_ptr<SurfaceTable> surfaces;
-  std::vector<DrawItem> items;
+  std::vector<RasterItem> items;
 
   void finish() {
     std::vector<const MipTexture*> pointers;

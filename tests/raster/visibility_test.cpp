@@ -29,7 +29,7 @@ Picture picture_of(const VisibilityBuffer& buffer) {
   return p;
 }
 
-Picture draw(const RasterView& view, std::span<const DrawItem> items, const VisibilityOptions& options = {}) {
+Picture draw(const RasterView& view, std::span<const RasterItem> items, const VisibilityOptions& options = {}) {
   VisibilityBuffer buffer;
   const Status status = buffer.draw(view, items, options);
   EXPECT_TRUE(status.ok());
@@ -82,12 +82,12 @@ TEST_P(EachSimd, fans_cover_each_pixel_exactly_once) {
       add_triangle(one, t[0], t[1], t[2]);
       add_triangle(whole, t[0], t[1], t[2]);
       const PreparedMesh prepared = *prepare(one, {});
-      const DrawItem item{&prepared, 0, nullptr, {}};
+      const RasterItem item{&prepared, 0, nullptr, {}};
       const Picture p = draw(view, {&item, 1}, one_thread(GetParam()));
       for (size_t i = 0; i < times.size(); ++i) times[i] += p.nodes[i] != kNoTriangle;
     }
     const PreparedMesh prepared = *prepare(whole, {});
-    const DrawItem item{&prepared, 0, nullptr, {}};
+    const RasterItem item{&prepared, 0, nullptr, {}};
     const Picture p = draw(view, {&item, 1}, one_thread(GetParam()));
     for (uint32_t y = 0, i = 0; y < 176; ++y) {
       bool inside = false, left = false;
@@ -107,7 +107,7 @@ TEST_P(EachSimd, squares_on_pixel_borders_cover_just_their_pixels) {
   add_triangle(square, {-0.5F, -0.5F, 0}, {0.5F, -0.5F, 0}, {0.5F, 0.5F, 0});
   add_triangle(square, {-0.5F, -0.5F, 0}, {0.5F, 0.5F, 0}, {-0.5F, 0.5F, 0});
   const PreparedMesh prepared = *prepare(square, {});
-  const DrawItem item{&prepared, 3, nullptr, {}};
+  const RasterItem item{&prepared, 3, nullptr, {}};
   for (const uint32_t side : {2U, 8U, 30U, 200U, 1000U}) {  // small, large, and in between
     const Picture p = draw(view_from_above(side + 40, side + 40, side), {&item, 1}, one_thread(GetParam()));
     EXPECT_EQ(covered(p), size_t(side) * side);
@@ -126,11 +126,11 @@ TEST_P(EachSimd, back_faces_show_only_where_a_mesh_is_two_sided) {
   const PreparedMesh culled = *prepare(mesh, materials);
   materials[0].two_sided = true;
   const PreparedMesh both = *prepare(mesh, materials);
-  const DrawItem one_sided{&culled, 0, nullptr, {}}, two_sided{&both, 0, nullptr, {}};
+  const RasterItem one_sided{&culled, 0, nullptr, {}}, two_sided{&both, 0, nullptr, {}};
   EXPECT_GT(covered(draw(above, {&one_sided, 1}, one_thread(GetParam()))), 400U);
   EXPECT_EQ(covered(draw(below, {&one_sided, 1}, one_thread(GetParam()))), 0U);
   EXPECT_GT(covered(draw(below, {&two_sided, 1}, one_thread(GetParam()))), 400U);
-  DrawItem mirrored = one_sided;
+  RasterItem mirrored = one_sided;
   mirrored.model_from_mesh = glm::dmat4(1.0);
   (*mirrored.model_from_mesh)[0][0] = -1;
   EXPECT_GT(covered(draw(above, {&mirrored, 1}, one_thread(GetParam()))), 400U) << "fronts of a mirrored mesh stay fronts";
@@ -144,7 +144,7 @@ TEST_P(EachSimd, the_nearer_wins_and_of_equal_ones_the_smaller_node) {
   Mesh nearer = mesh;
   for (glm::vec3& p : nearer.positions) p = p * 0.25F + glm::vec3(0, 0, 1e-4F);
   const PreparedMesh flat = *prepare(mesh, {}), above = *prepare(nearer, {});
-  const std::vector<DrawItem> items = {{&flat, 9, nullptr, {}}, {&flat, 4, nullptr, {}}, {&above, 12, nullptr, {}}, {&flat, 7, nullptr, {}}};
+  const std::vector<RasterItem> items = {{&flat, 9, nullptr, {}}, {&flat, 4, nullptr, {}}, {&above, 12, nullptr, {}}, {&flat, 7, nullptr, {}}};
   const Picture p = draw(view_from_above(64, 64, 16), items, one_thread(GetParam()));
   EXPECT_EQ(p.nodes[32 * 64 + 32], 12U);
   EXPECT_EQ(p.nodes[40 * 64 + 32], 4U);
@@ -196,7 +196,7 @@ TEST(Visibility, threads_order_and_culling_leave_the_picture_alone) {
       VisibilityOptions all = one_thread();
       all.cull_hidden = false;
       EXPECT_EQ(plain, draw(view, scene.items, all));
-      const std::vector<DrawItem> reversed(scene.items.rbegin(), scene.items.rend());
+      const std::vector<RasterItem> reversed(scene.items.rbegin(), scene.items.rend());
       EXPECT_EQ(plain, draw(view, reversed, one_thread()));
     }
   }
@@ -211,7 +211,7 @@ TEST(Visibility, inner_is_within_exact_is_within_outer) {
     Mesh one;
     add_triangle(one, soup.positions[3 * t], soup.positions[3 * t + 1], soup.positions[3 * t + 2]);
     const PreparedMesh prepared = *prepare(one, materials);
-    const DrawItem item{&prepared, 0, nullptr, {}};
+    const RasterItem item{&prepared, 0, nullptr, {}};
     Camera camera = random_camera(random, 6, 160, 120);
     const RasterView view = perspective_view(camera, glm::dvec3(0));
     std::array<Picture, 3> p;
@@ -246,7 +246,7 @@ TEST(Visibility, degenerate_and_empty_meshes_draw_nothing) {
   add_triangle(mesh, {1, 0, 0}, {1, 0, 0}, {1, 0, 0});
   add_triangle(mesh, {1, 0, 0}, {2, 0, 0}, {3, 0, 0});
   const PreparedMesh prepared = *prepare(mesh, {}), empty = *prepare(Mesh{}, {});
-  const std::vector<DrawItem> items = {{&prepared, 0, nullptr, {}}, {&empty, 1, nullptr, {}}};
+  const std::vector<RasterItem> items = {{&prepared, 0, nullptr, {}}, {&empty, 1, nullptr, {}}};
   EXPECT_EQ(covered(draw(view_from_above(64, 64, 16), items)), 0U);
 }
 
