@@ -336,29 +336,31 @@ Result<GltfAccessor> GltfDocument::accessor(uint64_t index) {
 }
 
 template <class T>
-Status GltfDocument::read_elements(uint64_t index, const GltfAccessor& a, std::span<T> out) {
-  assert(out.size() == a.count * a.components);
+Status GltfDocument::read_elements(uint64_t index, const GltfAccessor& a, uint64_t first, std::span<T> out) {
+  const uint64_t wanted = out.size() / a.components;
+  assert(first <= a.count && wanted <= a.count - first);
+  const uint64_t begin = a.offset + first * a.stride;
   const uint64_t element_bytes = uint64_t(component_bytes(a.component_type)) * a.components;
   const bool as_it_lies = a.component_type == (std::is_same_v<T, float> ? 5126 : 5125) && a.stride == element_bytes;
   if (!a.view) {
     std::fill(out.begin(), out.end(), T{});
   } else if (as_it_lies) {
-    PROMENADE_TRY(read_view(static_cast<size_t>(*a.view), a.offset, std::as_writable_bytes(out)));
+    PROMENADE_TRY(read_view(static_cast<size_t>(*a.view), begin, std::as_writable_bytes(out)));
   } else {
     const uint64_t per_piece = std::max<uint64_t>(kReadPieceBytes / a.stride, 1);
     std::vector<std::byte> piece;
-    for (uint64_t done = 0; done < a.count; done += per_piece) {
-      const uint64_t count = std::min(per_piece, a.count - done);
+    for (uint64_t done = 0; done < wanted; done += per_piece) {
+      const uint64_t count = std::min(per_piece, wanted - done);
       piece.resize(static_cast<size_t>((count - 1) * a.stride + element_bytes));
-      PROMENADE_TRY(read_view(static_cast<size_t>(*a.view), a.offset + done * a.stride, piece));
+      PROMENADE_TRY(read_view(static_cast<size_t>(*a.view), begin + done * a.stride, piece));
       convert_elements(piece.data(), count, a, out.data() + done * a.components);
     }
   }
-  return apply_sparse(index, a, out);
+  return apply_sparse(index, a, first, out);
 }
 
 template <class T>
-Status GltfDocument::apply_sparse(uint64_t index, const GltfAccessor& a, std::span<T> out) {
+Status GltfDocument::apply_sparse(uint64_t index, const GltfAccessor& a, uint64_t first, std::span<T> out) {
   const Json& sparse = member(element(member(json_, "accessors"), index), "sparse");
   if (!sparse.is_object()) return Done{};
   const uint64_t count = whole(member(sparse, "count")).value_or(0);
@@ -393,24 +395,25 @@ Status GltfDocument::apply_sparse(uint64_t index, const GltfAccessor& a, std::sp
     convert_elements(bytes_of.data(), count, values, converted.data());
     for (size_t i = 0; i < place_of.size(); ++i) {
       if (place_of[i] >= a.count) return fail("accessor", index, "a sparse index is out of range");
+      if (place_of[i] < first || place_of[i] - first >= out.size() / a.components) continue;
       std::copy_n(converted.begin() + static_cast<ptrdiff_t>(i * a.components), a.components,
-                  out.begin() + static_cast<ptrdiff_t>(size_t(place_of[i]) * a.components));
+                  out.begin() + static_cast<ptrdiff_t>((place_of[i] - first) * a.components));
     }
   }
   return Done{};
 }
 
-Status GltfDocument::read_floats(uint64_t index, std::span<float> out) {
+Status GltfDocument::read_floats(uint64_t index, uint64_t first, std::span<float> out) {
   const Result<GltfAccessor> a = accessor(index);
   if (!a.ok()) return a.error();
-  return read_elements(index, *a, out);
+  return read_elements(index, *a, first, out);
 }
 
 Status GltfDocument::read_indices(uint64_t index, std::span<uint32_t> out) {
   const Result<GltfAccessor> a = accessor(index);
   if (!a.ok()) return a.error();
   if (a->components != 1 || a->component_type == 5126) return fail("accessor", index, "is no list of indices");
-  return read_elements(index, *a, out);
+  return read_elements(index, *a, 0, out);
 }
 
 }  // namespace promenade

@@ -45,8 +45,9 @@ class GltfDocument {
   /// Bytes of a view, decompressed when it is compressed.
   Result<std::vector<std::byte>> view_bytes(uint64_t view);
   Result<GltfAccessor> accessor(uint64_t index);
-  /// Fills `out` (count x components of the accessor) with floats, normalised integers mapped as glTF says.
-  Status read_floats(uint64_t index, std::span<float> out);
+  /// Fills `out` with floats of the elements from `first` on, as many as it holds (they must be there); normalised
+  /// integers are mapped as glTF says.
+  Status read_floats(uint64_t index, uint64_t first, std::span<float> out);
   /// Fills `out` (count of the accessor, which must be a scalar of whole numbers).
   Status read_indices(uint64_t index, std::span<uint32_t> out);
 
@@ -72,9 +73,9 @@ class GltfDocument {
   Status decode_view(size_t index);
   Status read_view(size_t index, uint64_t offset, std::span<std::byte> into);
   template <class T>
-  Status read_elements(uint64_t index, const GltfAccessor& accessor, std::span<T> out);
+  Status read_elements(uint64_t index, const GltfAccessor& accessor, uint64_t first, std::span<T> out);
   template <class T>
-  Status apply_sparse(uint64_t index, const GltfAccessor& accessor, std::span<T> out);
+  Status apply_sparse(uint64_t index, const GltfAccessor& accessor, uint64_t first, std::span<T> out);
   Error fail(const char* what, uint64_t index, const std::string& message) const;
 
   Json json_;

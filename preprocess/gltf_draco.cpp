@@ -61,13 +61,13 @@ uint32_t GltfDracoPrimitive::components(const std::string& attribute) const {
   return found == state_->attributes.end() ? 0 : static_cast<uint32_t>(found->second->num_components());
 }
 
-bool GltfDracoPrimitive::floats(const std::string& attribute, std::span<float> out) const {
+bool GltfDracoPrimitive::floats(const std::string& attribute, uint64_t first, std::span<float> out) const {
   const auto found = state_->attributes.find(attribute);
   if (found == state_->attributes.end()) return false;
   const draco::PointAttribute& values = *found->second;
   const auto components = static_cast<size_t>(values.num_components());
-  for (uint32_t v = 0; v < state_->mesh->num_points(); ++v) {
-    const draco::AttributeValueIndex place = values.mapped_index(draco::PointIndex(v));
+  for (size_t v = 0; v < out.size() / components; ++v) {
+    const draco::AttributeValueIndex place = values.mapped_index(draco::PointIndex(static_cast<uint32_t>(first + v)));
     if (place.value() >= values.size()) return false;
     if (!values.ConvertValue<float>(place, static_cast<int8_t>(components), out.data() + v * components)) return false;
   }

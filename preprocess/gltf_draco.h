@@ -21,8 +21,8 @@ class GltfDracoPrimitive {
   void indices(std::span<uint32_t> out) const;
   /// Components of an attribute ("POSITION"); 0: not in it.
   uint32_t components(const std::string& attribute) const;
-  /// Fills vertex_count x components; false: not in it, or not convertible.
-  bool floats(const std::string& attribute, std::span<float> out) const;
+  /// Fills `out` with the values of vertices from `first` on; false: not in it, or not convertible.
+  bool floats(const std::string& attribute, uint64_t first, std::span<float> out) const;
 
  private:
   struct State;

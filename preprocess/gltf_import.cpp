@@ -144,7 +144,7 @@ class Placer {
         return Error{fmt::format("{}: node {}: {} instances are more than the file can mean; it is broken",
                                  document_.name(), node, *count)};
       values[i].resize(static_cast<size_t>(*count) * components[i]);
-      PROMENADE_TRY(document_.read_floats(*index, values[i]));
+      PROMENADE_TRY(document_.read_floats(*index, 0, values[i]));
     }
     for (size_t k = 0; k < count.value_or(0); ++k) {
       std::array<double, 3> translation{0, 0, 0};

@@ -16,6 +16,7 @@ namespace {
 // Meshes may share accessors and compressed views expand: bounds what a small hostile file can make of that.
 constexpr uint64_t kMaxExpansion = 256;
 constexpr uint64_t kFreeBytes = uint64_t(64) << 20;
+constexpr uint64_t kBytesEach = 40;  // about what a vertex or a triangle takes
 
 enum class Mode : uint8_t { triangles = 4, strip = 5, fan = 6 };
 
@@ -64,13 +65,14 @@ class PrimitiveSource {
     return a->components;
   }
 
-  Status floats(const char* attribute, std::span<float> out) {
+  /// Values of the vertices from `first` on.
+  Status floats(const char* attribute, uint64_t first, std::span<float> out) {
     if (draco_ && draco_->components(attribute) != 0) {
-      if (draco_->floats(attribute, out)) return Done{};
+      if (draco_->floats(attribute, first, out)) return Done{};
       return Error{
           fmt::format("{}: {}: Draco's {} does not decode; the file is broken", document_.name(), what_, attribute)};
     }
-    return document_.read_floats(*accessor_of(attribute), out);
+    return document_.read_floats(*accessor_of(attribute), first, out);
   }
 
   Status read_indices(std::span<uint32_t> out) {
@@ -107,7 +109,6 @@ std::vector<uint32_t> to_triangles(std::vector<uint32_t> indices, Mode mode) {
     const size_t odd = mode == Mode::strip ? i & 1U : 0;
     const size_t first = mode == Mode::strip ? i - 2 : 0;
     out.insert(out.end(), {indices[first], indices[i - 1 + odd], indices[i - odd]});
-    if (mode == Mode::strip) continue;
   }
   return out;
 }
@@ -139,6 +140,12 @@ class MeshReader {
   }
 
  private:
+  /// The vertices that a primitive uses: of its own, from `first` on; in the mesh, after `before` others.
+  struct Range {
+    uint32_t first;
+    size_t before, count;
+  };
+
   Status read_primitive(const Json& primitive, const std::string& what, Mesh& mesh) {
     const uint64_t mode = whole(member(primitive, "mode")).value_or(4);
     if (mode < 4 || mode > 6) {
@@ -147,30 +154,44 @@ class MeshReader {
     }
     PrimitiveSource source(document_, primitive, what);
     PROMENADE_TRY(source.open());
-    PROMENADE_TRY(check_budget(source, what));
     if (source.vertices() == 0 || source.indices() < 3) return Done{};
-    if (source.vertices() + mesh.vertex_count() > 0xffffffffU)
-      return Error{fmt::format("{}: {}: more than 2^32 vertices; split the mesh", document_.name(), what)};
+    PROMENADE_TRY(check_budget(0, source.indices(), what));
+    std::vector<uint32_t> indices(static_cast<size_t>(source.indices()));
+    PROMENADE_TRY(source.read_indices(indices));
+    indices = to_triangles(std::move(indices), static_cast<Mode>(mode));
+    const uint64_t dropped = drop_wild(indices, source.vertices());
+    if (dropped != 0) scene_.report.counts["faces_dropped"] += dropped;
+    if (indices.empty()) return Done{};
 
-    const size_t before = mesh.vertex_count();
-    const auto added = static_cast<size_t>(source.vertices());
+    // Only the vertices that the indices span: exporters share one huge buffer among many primitives.
+    const auto [lowest, highest] = std::minmax_element(indices.begin(), indices.end());
+    const Range range{*lowest, mesh.vertex_count(), size_t(*highest) - *lowest + 1};
+    PROMENADE_TRY(check_budget(range.count, 0, what));
+    if (range.count + mesh.vertex_count() > 0xffffffffU)
+      return Error{fmt::format("{}: {}: more than 2^32 vertices; split the mesh", document_.name(), what)};
     const uint32_t material = material_of(primitive);
-    PROMENADE_TRY(read_positions(source, what, mesh, before, added));
-    PROMENADE_TRY(read_normals(source, mesh, before, added));
-    PROMENADE_TRY(read_texcoords(source, material, mesh, before, added));
-    PROMENADE_TRY(read_colors(source, mesh, before, added));
-    return read_triangles(source, static_cast<Mode>(mode), material, mesh, before);
+    PROMENADE_TRY(read_positions(source, what, mesh, range));
+    PROMENADE_TRY(read_normals(source, mesh, range));
+    PROMENADE_TRY(read_texcoords(source, material, mesh, range));
+    PROMENADE_TRY(read_colors(source, mesh, range));
+    const auto shift = static_cast<uint32_t>(range.before) - range.first;  // wraps around where it must
+    for (uint32_t& i : indices) i += shift;
+    if (mesh.indices.empty())
+      mesh.indices = std::move(indices);
+    else
+      mesh.indices.insert(mesh.indices.end(), indices.begin(), indices.end());
+    mesh.materials.resize(mesh.triangle_count(), material);
+    return Done{};
   }
 
-  Status check_budget(const PrimitiveSource& source, const std::string& what) {
-    const uint64_t limit = kFreeBytes + kMaxExpansion * document_.source_bytes();
-    const uint64_t most = limit / 40;  // about what a vertex or a triangle takes
-    if (source.vertices() > most || source.indices() > most || (used_ += source.vertices() + source.indices()) > most)
-      return Error{
-          fmt::format("{}: {}: {} vertices and {} indices are more than a file of {} bytes can mean; the file "
-                      "is broken",
-                      document_.name(), what, source.vertices(), source.indices(), document_.source_bytes())};
-    return Done{};
+  Status check_budget(uint64_t vertices, uint64_t indices, const std::string& what) {
+    const uint64_t most = (kFreeBytes + kMaxExpansion * document_.source_bytes()) / kBytesEach;
+    used_ = vertices > most || indices > most ? most + 1 : used_ + vertices + indices;
+    if (used_ <= most) return Done{};
+    return Error{
+        fmt::format("{}: {}: {} vertices, {} indices and what came before are more than a file of {} bytes can "
+                    "mean; the file is broken",
+                    document_.name(), what, vertices, indices, document_.source_bytes())};
   }
 
   uint32_t material_of(const Json& primitive) {
@@ -183,76 +204,59 @@ class MeshReader {
     return *default_material_;
   }
 
-  Status read_positions(PrimitiveSource& source, const std::string& what, Mesh& mesh, size_t before, size_t added) {
+  Status read_positions(PrimitiveSource& source, const std::string& what, Mesh& mesh, const Range& range) {
     const Result<uint32_t> components = source.components("POSITION");
     if (!components.ok()) return components.error();
     if (*components != 3) return Error{fmt::format("{}: {}: POSITION is no VEC3", document_.name(), what)};
-    mesh.positions.resize(before + added);
-    return source.floats("POSITION", {&mesh.positions[before].x, added * 3});
+    mesh.positions.resize(range.before + range.count);
+    return source.floats("POSITION", range.first, {&mesh.positions[range.before].x, range.count * 3});
   }
 
-  Status read_normals(PrimitiveSource& source, Mesh& mesh, size_t before, size_t added) {
+  Status read_normals(PrimitiveSource& source, Mesh& mesh, const Range& range) {
     const Result<uint32_t> components = source.components("NORMAL");
     if (!components.ok()) return components.error();
     const bool has = *components == 3;
     if (!has && mesh.normals.empty()) return Done{};
-    mesh.normals.resize(before, glm::vec3(0));  // (0, 0, 0): none yet; complete_normals makes them flat
-    mesh.normals.resize(before + added, glm::vec3(0));
-    return has ? source.floats("NORMAL", {&mesh.normals[before].x, added * 3}) : Status(Done{});
+    mesh.normals.resize(range.before, glm::vec3(0));  // (0, 0, 0): none yet; complete_normals makes them flat
+    mesh.normals.resize(range.before + range.count, glm::vec3(0));
+    if (!has) return Done{};
+    return source.floats("NORMAL", range.first, {&mesh.normals[range.before].x, range.count * 3});
   }
 
-  Status read_texcoords(PrimitiveSource& source, uint32_t material, Mesh& mesh, size_t before, size_t added) {
+  Status read_texcoords(PrimitiveSource& source, uint32_t material, Mesh& mesh, const Range& range) {
     const GltfTexcoords wanted = material < texcoords_.size() ? texcoords_[material] : GltfTexcoords{};
     const std::string attribute = fmt::format("TEXCOORD_{}", wanted.set);
     const Result<uint32_t> components = wanted.textured ? source.components(attribute.c_str()) : Result<uint32_t>(0U);
     if (!components.ok()) return components.error();
     const bool has = *components == 2;
     if (!has && mesh.texcoords.empty()) return Done{};
-    mesh.texcoords.resize(before, glm::vec2(0));
-    mesh.texcoords.resize(before + added, glm::vec2(0));
+    mesh.texcoords.resize(range.before, glm::vec2(0));
+    mesh.texcoords.resize(range.before + range.count, glm::vec2(0));
     if (!has) return Done{};
-    PROMENADE_TRY(source.floats(attribute.c_str(), {&mesh.texcoords[before].x, added * 2}));
+    PROMENADE_TRY(source.floats(attribute.c_str(), range.first, {&mesh.texcoords[range.before].x, range.count * 2}));
     if (wanted.has_transform)
-      for (size_t v = before; v < before + added; ++v)
+      for (size_t v = range.before; v < range.before + range.count; ++v)
         mesh.texcoords[v] = glm::vec2(glm::dvec2(wanted.transform * glm::dvec3(glm::dvec2(mesh.texcoords[v]), 1.0)));
     return Done{};
   }
 
-  Status read_colors(PrimitiveSource& source, Mesh& mesh, size_t before, size_t added) {
+  Status read_colors(PrimitiveSource& source, Mesh& mesh, const Range& range) {
     const Result<uint32_t> components = source.components("COLOR_0");
     if (!components.ok()) return components.error();
     const bool has = *components == 3 || *components == 4;
     if (!has && mesh.colors.empty()) return Done{};
-    mesh.colors.resize(before, glm::u8vec4(255));
-    mesh.colors.resize(before + added, glm::u8vec4(255));
+    mesh.colors.resize(range.before, glm::u8vec4(255));
+    mesh.colors.resize(range.before + range.count, glm::u8vec4(255));
     if (!has) return Done{};
-    std::vector<float> linear(added * *components);
-    PROMENADE_TRY(source.floats("COLOR_0", linear));
-    for (size_t v = 0; v < added; ++v) {
+    std::vector<float> linear(range.count * *components);
+    PROMENADE_TRY(source.floats("COLOR_0", range.first, linear));
+    for (size_t v = 0; v < range.count; ++v) {
       const float* from = linear.data() + v * *components;
-      glm::u8vec4& to = mesh.colors[before + v];
+      glm::u8vec4& to = mesh.colors[range.before + v];
       for (int c = 0; c < 3; ++c) to[c] = linear_to_srgb(std::isnan(from[c]) ? 1.0F : from[c]);
       if (*components == 4 && !std::isnan(from[3]))
         to.a = static_cast<uint8_t>(std::lround(std::clamp(from[3], 0.0F, 1.0F) * 255.0F));
     }
-    return Done{};
-  }
-
-  Status read_triangles(PrimitiveSource& source, Mode mode, uint32_t material, Mesh& mesh, size_t before) {
-    std::vector<uint32_t> indices(static_cast<size_t>(source.indices()));
-    PROMENADE_TRY(source.read_indices(indices));
-    indices = to_triangles(std::move(indices), mode);
-    const uint64_t dropped = drop_wild(indices, source.vertices());
-    if (dropped != 0) scene_.report.counts["faces_dropped"] += dropped;
-    const size_t triangles_before = mesh.triangle_count();
-    if (triangles_before == 0) {
-      mesh.indices = std::move(indices);
-      if (before != 0)
-        for (uint32_t& i : mesh.indices) i += static_cast<uint32_t>(before);
-    } else {
-      for (const uint32_t i : indices) mesh.indices.push_back(static_cast<uint32_t>(before) + i);
-    }
-    mesh.materials.resize(mesh.triangle_count(), material);
     return Done{};
   }
 
@@ -267,7 +271,6 @@ class MeshReader {
 void complete_normals(Mesh& mesh) {
   if (mesh.normals.empty()) return;
   const auto missing = [&](uint32_t v) { return mesh.normals[v] == glm::vec3(0); };
-  Mesh flat;
   std::vector<uint32_t> without;
   std::vector<uint32_t> with;
   for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -275,7 +278,7 @@ void complete_normals(Mesh& mesh) {
     (missing(corners[0]) && missing(corners[1]) && missing(corners[2]) ? without : with).push_back(t);
   }
   if (without.empty()) return;
-  flat = submesh(mesh, without);
+  Mesh flat = submesh(mesh, without);
   flat.normals.clear();
   Mesh rest = submesh(mesh, with);
   if (rest.triangle_count() == 0) {

@@ -27,7 +27,8 @@ struct Format {
   Reader read;
 };
 
-constexpr auto kFormats = std::to_array<Format>({{".glb", read_gltf}, {".gltf", read_gltf}});
+constexpr auto kFormats =
+    std::to_array<Format>({{".glb", read_gltf}, {".gltf", read_gltf}, {".obj", read_obj}, {".ply", read_ply}});
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -157,12 +158,30 @@ void count_scene(Scene& scene) {
   }
 }
 
+/// Formats that do not say: two-sided, but for materials of which every face belongs to a solid.
+void decide_sides(Scene& scene) {
+  std::vector<bool> seen(scene.materials.size(), false);
+  std::vector<bool> open(scene.materials.size(), false);
+  for (const Mesh& mesh : scene.meshes) {
+    const std::vector<bool> solid = solid_triangles(mesh);
+    for (size_t t = 0; t < solid.size(); ++t) {
+      seen[mesh.material_of(t)] = true;
+      if (!solid[t]) open[mesh.material_of(t)] = true;
+    }
+  }
+  for (size_t m = 0; m < scene.materials.size(); ++m) scene.materials[m].two_sided = open[m] || !seen[m];
+}
+
 Scene finished(ReadScene read, const ImportOptions& options) {
   Scene scene = std::move(read.scene);
   if (scene.materials.empty()) scene.materials.emplace_back();
   convert_frame(scene, options.up.value_or(read.up), options.unit_m.value_or(read.unit_m));
   drop_non_finite(scene);
   drop_out_of_range(scene, options.max_extent_m);
+  if (options.repair)
+    for (Mesh& mesh : scene.meshes) repair_mesh(mesh, scene.report.counts);
+  for (Mesh& mesh : scene.meshes) drop_unused_vertices(mesh);
+  if (read.sides_unknown) decide_sides(scene);
   plain_for_missing(scene);
   drop_unused(scene);
   count_scene(scene);

@@ -35,8 +35,11 @@ void drop_out_of_range(Scene& scene, double max_extent_m);
 /// used go. Adds to faces_degenerate, faces_duplicate, faces_reoriented.
 void repair_mesh(Mesh& mesh, Counts& counts);
 
-/// For each triangle, whether the connected component that it is in is closed and consistently oriented: every edge has
-/// one face on each side. Vertices at the same place count as one.
-std::vector<bool> closed_components(const Mesh& mesh);
+/// For each triangle, whether the connected component that it is in is solid: closed (every edge has one face on each
+/// side), consistently oriented, its fronts outwards. Vertices at the same place count as one.
+std::vector<bool> solid_triangles(const Mesh& mesh);
+
+/// Removes vertices that no face uses.
+void drop_unused_vertices(Mesh& mesh);
 
 }  // namespace promenade

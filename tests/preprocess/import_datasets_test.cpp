@@ -52,7 +52,7 @@ TEST_P(SharedDataset, imports_with_the_triangles_and_the_box_known_of_it) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Import, SharedDataset,
-                         testing::Values("datsville_a", "citysim", "small_house", "cms_detector", "sports_car"),
+                         testing::Values("datsville_a", "citysim", "small_house", "conference_room", "cms_detector", "sports_car"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 }  // namespace
