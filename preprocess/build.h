@@ -9,6 +9,7 @@
 #include "codec/geometry_codec.h"
 #include "geometry/job_monitor.h"
 #include "geometry/result.h"
+#include "layout/file_io.h"
 #include "preprocess/import.h"
 
 namespace promenade {
@@ -42,6 +43,7 @@ struct BuildFigures {
 /// Runs the whole build. Interrupted or killed: nothing under the model's name; the work done so far stays in
 /// MODEL.work and is taken up again by the same command, with the same bytes in the end. Another build into the same
 /// model at once is refused.
-Result<BuildFigures> build_model(const BuildOptions& options, JobMonitor& monitor);
+Result<BuildFigures> build_model(const BuildOptions& options, JobMonitor& monitor,
+                                 FileSystem& files = real_file_system());
 
 }  // namespace promenade
