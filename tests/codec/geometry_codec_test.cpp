@@ -283,6 +283,27 @@ TEST(DecodeMesh, agrees_with_a_slow_decoder_written_from_the_format) {
   }
 }
 
+TEST(EncodeMesh, writes_the_header_that_the_format_shows) {
+  std::ifstream in(std::filesystem::path(PROMENADE_SOURCE_DIR) / "codec" / "FORMAT.md");
+  std::string shown, actual;
+  bool inside = false;
+  for (std::string line; std::getline(in, line);) {
+    if (line == "```hex") inside = true;
+    if (line == "```") inside = false;
+    const size_t colon = line.find(": ");
+    if (inside && colon != std::string::npos) shown += line.substr(colon + 2, line.find("  #") - colon - 2) + " ";
+  }
+  const EncodedMesh out = encoded(one_triangle(), GeometryCodec::raw);
+  for (size_t i = 0; i < 24; ++i) {
+    constexpr const char* kDigits = "0123456789abcdef";
+    actual += kDigits[std::to_integer<size_t>(out.bytes[i]) / 16];
+    actual += kDigits[std::to_integer<size_t>(out.bytes[i]) % 16];
+    actual += ' ';
+  }
+  EXPECT_EQ(shown, actual);
+  EXPECT_EQ(decompress_frame(std::span(out.bytes).subspan(24), 1000)->size(), 48U);
+}
+
 TEST(DecodeMesh, rejects_every_truncation_and_a_trailing_byte) {
   for (const GeometryCodec codec : kCodecs) {
     std::vector<std::byte> bytes = encoded(textured_cube(), codec, 0.0009765625F).bytes;
