@@ -3,6 +3,7 @@
 // residency and a state that the caller keeps from frame to frame: no disk, no GPU, no clock.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "geometry/camera.h"
 #include "layout/model.h"
+#include "runtime/priority_list.h"
 
 namespace promenade {
 
@@ -40,7 +42,7 @@ struct TimeSliceOptions {
   double hysteresis_limit = 45.1;
   bool hysteresis = true;  ///< false: the simpler rule, shareTime > sum of timeNeeded
   /// Refine only when all children are resident, not only the visible ones: later detail, less flicker (section 5.2).
-  bool all_children_resident = true;
+  bool all_children_resident = false;
   bool time_feedback = true;       ///< v_time follows measured frame times
   bool share_feedback = true;      ///< shareTime of the roots follows the use of target_ms
   double time_gain = 0.1;          ///< part of v_time's error corrected a frame, (0, 1]
@@ -79,14 +81,18 @@ struct SelectState {
   uint32_t frame = 0;
   double ms_per_cost = 0;        ///< v_time; 0: not known yet
   double first_ms_per_cost = 0;  ///< v_time as first measured: the estimate without feedback
-  double overhead_ms = 0;        ///< of a frame that draws nothing
-  double share_ms = 0;           ///< shareTime of the roots; 0: not set yet
-  uint64_t byte_size() const { return nodes.capacity() * sizeof(Node); }
-};
-
-struct PriorityUpdate {
-  NodeId node = kNoNode;
-  float priority = 0;  ///< >= 0; larger matters more
+  uint32_t measured_frames = 0;
+  double overhead_ms = 0;  ///< of a frame that draws nothing
+  double share_ms = 0;     ///< shareTime of the roots; 0: not set yet
+  /// Nodes on the way of a selection, parents before children; scratch.
+  struct Visit {
+    NodeId node = kNoNode;
+    uint32_t parent = 0xffffffffU;  ///< index of a visit
+    uint32_t uncovered_children = 0;
+    bool wanted = false;  ///< the chosen front has it; else it is on the way there
+  };
+  std::vector<Visit> visits;
+  uint64_t byte_size() const { return nodes.capacity() * sizeof(Node) + visits.capacity() * sizeof(Visit); }
 };
 
 struct Selection {
@@ -104,16 +110,30 @@ struct Selection {
 };
 
 /// resident: one flag a node; roots must be set. Every visible path from root to leaf meets the front exactly once.
-/// `reuse` lends its vectors' memory.
+/// `selection` is overwritten; its vectors' memory is used again.
 void select(const Model& model, const SelectView& view, std::span<const uint8_t> resident, const SelectOptions& options,
             SelectState& state, Selection& selection);
 
-/// The feedback loops, once a frame after drawing: actual_ms is what the frame took.
-void feed_back(const Selection& selection, double actual_ms, const TimeSliceOptions& options, SelectState& state);
+/// The feedback loops, once a frame after drawing. draw_ms: selection and drawing, what v_time is to foretell;
+/// frame_ms: all that the frame took, what shareTime is to keep near target_ms.
+void feed_back(const Selection& selection, double draw_ms, double frame_ms, const TimeSliceOptions& options,
+               SelectState& state);
 
 /// cost_n, equation 3.1. Triangles, weighted.
 double node_cost(const NodeRecord& node, const TimeSliceOptions& options);
-/// priority_n for a node as the view sees it; for nodes that a selection did not visit.
+/// The priority that a selection gives a node, for nodes that it did not visit.
 float node_priority(const Model& model, NodeId node, const SelectView& view, const SelectOptions& options);
+
+/// The same for many nodes of one frame. model and options must outlive it.
+class NodePricer {
+ public:
+  NodePricer(const Model& model, const SelectView& view, const SelectOptions& options);
+  float operator()(NodeId node) const;
+
+ private:
+  const Model& model_;
+  const SelectOptions& options_;
+  std::shared_ptr<const void> sight_;  ///< what of the view does not depend on the node
+};
 
 }  // namespace promenade

@@ -2,11 +2,17 @@
 // The loader's queue: nodes by priority.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "geometry/node_id.h"
 
 namespace promenade {
+
+struct PriorityUpdate {
+  NodeId node = kNoNode;
+  float priority = 0;  ///< >= 0; larger matters more
+};
 
 /// A doubly-linked list of nodes in decreasing order of priority, found by id through an array, with the most important
 /// unloaded node cached. Insertion goes in from the end, an update walks from where the node is, and the cache moves
@@ -20,10 +26,12 @@ class PriorityList {
   float priority(NodeId id) const { return entry(id).priority; }
   bool loaded(NodeId id) const { return entry(id).loaded; }
   uint32_t size() const { return size_; }
-  uint64_t byte_size() const { return entries_.capacity() * sizeof(Entry); }
+  uint64_t byte_size() const { return entries_.capacity() * sizeof(Entry) + scratch_.capacity() * sizeof(NodeId); }
 
-  /// Inserts, or moves, the node. Among equals the one that came there first stays first.
+  /// Inserts, or moves, the node: behind all of equal priority (where it is, if its own has not changed).
   void update(NodeId id, float priority);
+  /// All of them. When the order changed so much that stepping would take long (the eye has jumped), sorts instead.
+  void update(std::span<const PriorityUpdate> updates);
   void erase(NodeId id);
   /// Loaded nodes are passed over by next_unloaded(). The node must be in the list.
   void set_loaded(NodeId id, bool loaded);
@@ -41,22 +49,31 @@ class PriorityList {
 
  private:
   struct Entry {
+    uint64_t turn = 0;  ///< when it came to its place: order among equals
     float priority = 0;
     NodeId previous = kNoNode, next = kNoNode;
     bool listed = false, loaded = false;
   };
   Entry& entry(NodeId id) { return entries_[index_of(id)]; }
   const Entry& entry(NodeId id) const { return entries_[index_of(id)]; }
+  bool above(NodeId a, NodeId b) const;
   void unlink(NodeId id);
   void link_before(NodeId id, NodeId next);
+  void insert(NodeId id, float priority);
+  void move(NodeId id, float priority);
+  void notice_unloaded(NodeId id);
+  void sort_all();
 
   std::vector<Entry> entries_;
   NodeId head_ = kNoNode, tail_ = kNoNode;
   uint32_t size_ = 0;
   uint64_t steps_ = 0;
-  /// Every entry above `scan_from_` is loaded; kNoNode with scan_known_: everything is.
-  NodeId scan_from_ = kNoNode;
-  bool scan_known_ = true;
+  uint64_t turns_ = 0;
+  /// Every entry above this one is loaded; kNoNode: every entry is.
+  NodeId cached_ = kNoNode;
+  /// Where the last insertion went: the next, if it is less important, need not walk from the end.
+  NodeId finger_ = kNoNode;
+  std::vector<NodeId> scratch_;
 };
 
 }  // namespace promenade

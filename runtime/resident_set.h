@@ -59,7 +59,12 @@ class ResidentSet {
   void clear(Renderer& renderer);
 
   // --- loader ---
-  enum class Next : uint8_t { read, decode, waiting, idle };
+  enum class Next : uint8_t {
+    read,
+    decode,
+    waiting,  ///< for room that the render thread must first let go
+    idle,     ///< nothing is wanted, or nothing that matters more than what is in memory
+  };
   struct Task {
     Next next = Next::idle;
     NodeId node = kNoNode;  ///< on whose behalf

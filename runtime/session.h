@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "geometry/result.h"
@@ -21,6 +22,8 @@ struct SessionOptions {
   double upload_budget_ms = 4;
   /// false: the loader runs only inside run_loader(): the same steps in the same order each time.
   bool loader_thread = true;
+  /// Counted against the memory bound besides the model: the renderer's framebuffers (Renderer::frame_bytes).
+  uint64_t frame_bytes = 0;
   Lighting lighting;
   Background background;
   bool textures = true;
@@ -70,6 +73,8 @@ class Session {
   const Selection& selection() const;
   const SelectState& select_state() const;
   LoaderCounts loader_counts() const;
+  /// Messages of the first few segments that could not be read, decoded or uploaded.
+  std::vector<std::string> failures() const;
   uint64_t resident_bytes() const;
   uint64_t resident_bytes_peak() const;
   SelectOptions& select_options();  ///< may be changed between frames
