@@ -35,9 +35,11 @@ struct Block {
   uint8_t flags;
 };
 
-/// A picture and its mip levels; texels are sRGB + linear opacity, R in the lowest byte.
+/// A picture and its mip levels. A texel holds the square roots of linear red, green and blue in ten bits each, red
+/// lowest: finer than sRGB's eight, and made linear by one multiplication. Opacity, a byte a texel, apart.
 struct Texture {
-  const uint32_t* texels;
+  const int32_t* texels;
+  const uint8_t* opacity;  ///< null: opaque
   uint32_t level_offset[kMaxMipLevels];
   uint32_t width, height, levels;
 };
@@ -73,7 +75,9 @@ struct Item {
   float rows[3][3];
   float eye_hi[3], eye_lo[3];
   float axis[3];        ///< view axis in the mesh's frame; orthographic facing only
-  float normal_rows[3][3];  ///< world normal from the mesh's
+  float model_rows[3][4];   ///< model space from the mesh's; shading only
+  float normal_rows[3][3];  ///< model space's normals from the mesh's
+  bool placed;              ///< model_rows is not the identity
   bool mirrored;
 };
 
@@ -112,12 +116,30 @@ struct Region {
   Counts counts;
 };
 
+/// What shading needs besides the picture. Colours are linear.
+struct Shading {
+  const Item* items;
+  const uint32_t* item_of_run;
+  uint32_t run_bits;
+  float rows[3][3];  ///< as Item's, for model space
+  float eye_hi[3], eye_lo[3];
+  const float* linear_of_srgb;  ///< 256
+  float to_sun[3], sun[3], sky[3], ground[3];
+  float ray_axis[3], ray_x[3], ray_y[3];  ///< view ray: axis + x ray_x + y ray_y, x and y in sub-pixels from the axis
+  float zenith[3], horizon[3], below[3];
+  uint32_t plain;       ///< RGBA8 where nothing is, unless has_sky
+  bool has_sky;
+  bool has_textures;
+  uint32_t* out;        ///< RGBA8, rows of the picture's width
+};
+
 /// One processor's kernels.
 struct Kernels {
   int lanes;
   BoxPicture (*project_box)(const Frame&, const Item&, const float* center, const float* half);
   void (*clear)(const Frame&, Region&);
   void (*draw)(const Frame&, const Item&, const BoxPicture& item_box, Region&, Coverage);
+  void (*shade)(const Frame&, const Shading&, int32_t tile_row);
 };
 
 const Kernels& portable_kernels();

@@ -753,4 +753,6 @@ void clear(const Frame& f, Region& r) {
   r.counts = {};
 }
 
-constexpr Kernels kKernels = {kLanes, project_box, clear, draw};
+#include "raster/kernel_shade.inl"
+
+constexpr Kernels kKernels = {kLanes, project_box, clear, draw, shade_row};

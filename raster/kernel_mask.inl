@@ -48,7 +48,7 @@ void set_up_mask(const Frame& f, const Item& item, uint32_t triangle, MaskTriang
   }
   m.surface = &surface;
   m.texels_a_pixel = 0;
-  if (surface.texture == nullptr || item.texcoords == nullptr) return;
+  if (surface.texture == nullptr || surface.texture->opacity == nullptr || item.texcoords == nullptr) return;
   ViewPoint p[3];
   double uv[2][3], solved[2][3] = {};
   const float* at[3];
@@ -91,7 +91,7 @@ PROMENADE_INLINE uint32_t wrapped_texel(float t, uint8_t wrap, uint32_t size) {
 
 PROMENADE_INLINE float opacity_at(const MaskTriangle& m, float x, float y, float z) {
   const Surface& s = *m.surface;
-  if (s.texture == nullptr || m.texels_a_pixel <= 0) return m.opacity;
+  if (m.texels_a_pixel <= 0) return m.opacity;
   const Texture& t = *s.texture;
   const float w = m.orthographic ? 1.0F : 1.0F / z;
   const float u = static_cast<float>((m.u[0] * x + m.u[1] * y) + m.u[2]) * w;
@@ -101,7 +101,7 @@ PROMENADE_INLINE float opacity_at(const MaskTriangle& m, float x, float y, float
   if (level >= t.levels) level = t.levels - 1;
   const uint32_t width = t.width >> level == 0 ? 1 : t.width >> level, height = t.height >> level == 0 ? 1 : t.height >> level;
   const uint32_t tx = wrapped_texel(u, s.wrap_u, width), ty = wrapped_texel(v, s.wrap_v, height);
-  return m.opacity * static_cast<float>(t.texels[t.level_offset[level] + static_cast<uint64_t>(ty) * width + tx] >> 24) / 255.0F;
+  return m.opacity * static_cast<float>(t.opacity[t.level_offset[level] + static_cast<uint64_t>(ty) * width + tx]) / 255.0F;
 }
 
 /// Threshold of the screen door at a pixel, (0, 1): bits of x ^ y and y interleaved, the ordered dither of Bayer.

@@ -82,6 +82,11 @@ PROMENADE_INLINE I round_to_int(F a) { return {_mm256_cvtps_epi32(a.v)}; }
 PROMENADE_INLINE I as_int(F a) { return {_mm256_castps_si256(a.v)}; }
 PROMENADE_INLINE F as_float(I a) { return {_mm256_castsi256_ps(a.v)}; }
 
+PROMENADE_INLINE F sqrt(F a) { return {_mm256_sqrt_ps(a.v)}; }
+PROMENADE_INLINE F floor(F a) { return {_mm256_floor_ps(a.v)}; }
+PROMENADE_INLINE I truncate(F a) { return {_mm256_cvttps_epi32(a.v)}; }
+PROMENADE_INLINE I shift_right_by(I a, I by) { return {_mm256_srav_epi32(a.v, by.v)}; }
+
 struct Table64 {
   const float* p;
   explicit Table64(const float* table) : p(table) {}

@@ -76,6 +76,11 @@ PROMENADE_INLINE I round_to_int(F a) { return {_mm512_cvtps_epi32(a.v)}; }
 PROMENADE_INLINE I as_int(F a) { return {_mm512_castps_si512(a.v)}; }
 PROMENADE_INLINE F as_float(I a) { return {_mm512_castsi512_ps(a.v)}; }
 
+PROMENADE_INLINE F sqrt(F a) { return {_mm512_sqrt_ps(a.v)}; }
+PROMENADE_INLINE F floor(F a) { return {_mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)}; }
+PROMENADE_INLINE I truncate(F a) { return {_mm512_cvttps_epi32(a.v)}; }
+PROMENADE_INLINE I shift_right_by(I a, I by) { return {_mm512_srav_epi32(a.v, by.v)}; }
+
 /// Held in four registers: two permutes and a blend, where a gather would cost ten times as much.
 struct Table64 {
   __m512 a, b, c, d;

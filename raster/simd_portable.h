@@ -99,6 +99,19 @@ PROMENADE_INLINE I round_to_int(F a) {
 PROMENADE_INLINE I as_int(F a) { return {reinterpret_cast<IntBits>(a.v)}; }
 PROMENADE_INLINE F as_float(I a) { return {reinterpret_cast<FloatBits>(a.v)}; }
 
+PROMENADE_INLINE F sqrt(F a) {
+  return {FloatBits{__builtin_sqrtf(a.v[0]), __builtin_sqrtf(a.v[1]), __builtin_sqrtf(a.v[2]), __builtin_sqrtf(a.v[3])}};
+}
+/// Rounded down; |a| < 2^31.
+PROMENADE_INLINE F floor(F a) {
+  const IntBits whole = __builtin_convertvector(a.v, IntBits);
+  const FloatBits back = __builtin_convertvector(whole, FloatBits);
+  return {__builtin_convertvector(whole + (back > a.v), FloatBits)};  // a true comparison is -1
+}
+/// Towards zero.
+PROMENADE_INLINE I truncate(F a) { return {__builtin_convertvector(a.v, IntBits)}; }
+PROMENADE_INLINE I shift_right_by(I a, I by) { return {a.v >> by.v}; }
+
 /// A table of 64 floats, looked up by indices 0 to 63.
 struct Table64 {
   const float* p;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace promenade {
 
@@ -10,9 +11,11 @@ namespace {
 using raster_kernel::kMaxMipLevels;
 constexpr uint32_t kMaxTextureSide = 32768;  // its levels fit kMaxMipLevels
 
-uint32_t packed(const glm::u8vec4& c) {
-  return uint32_t(c.r) | uint32_t(c.g) << 8 | uint32_t(c.b) << 16 | uint32_t(c.a) << 24;
-}
+/// A texel on its way to the coarser levels: linear colour and opacity.
+struct Texel {
+  std::array<float, 3> color;
+  float opacity;
+};
 
 const std::array<float, 256>& linear_table() {
   static const std::array<float, 256> table = [] {
@@ -23,43 +26,43 @@ const std::array<float, 256>& linear_table() {
   return table;
 }
 
-/// sRGB of a linear value by a table of its first 12 bits.
-uint8_t quick_srgb(float value) {
-  static const std::array<uint8_t, 4097> table = [] {
-    std::array<uint8_t, 4097> t{};
-    for (uint32_t i = 0; i <= 4096; ++i) t[i] = linear_to_srgb(static_cast<float>(i) / 4096.0F);
+/// Level 0's texels come from bytes: their roots by table.
+const std::array<uint32_t, 256>& root_table() {
+  static const std::array<uint32_t, 256> table = [] {
+    std::array<uint32_t, 256> t{};
+    for (uint32_t i = 0; i < 256; ++i) t[i] = static_cast<uint32_t>(std::sqrt(linear_table()[i]) * 1023.0F + 0.5F);
     return t;
   }();
-  return table[static_cast<size_t>(std::clamp(value, 0.0F, 1.0F) * 4096.0F + 0.5F)];
+  return table;
 }
 
+uint32_t root(float linear) { return static_cast<uint32_t>(std::sqrt(std::min(linear, 1.0F)) * 1023.0F + 0.5F); }
+
 /// The mean of four texels: colours by their opacity, so that what is not there does not bleed.
-uint32_t mean(const std::array<uint32_t, 4>& texels) {
-  const std::array<float, 256>& linear = linear_table();
-  if (texels[0] == texels[1] && texels[0] == texels[2] && texels[0] == texels[3]) return texels[0];
-  std::array<float, 3> sum{};
+Texel mean(const std::array<const Texel*, 4>& texels) {
+  Texel out = {};
   float weight = 0;
-  uint32_t opacity = 0;
-  for (const uint32_t t : texels) {
-    const float w = static_cast<float>(t >> 24) + 1.0F / 64;  // never 0: a clear texel among clear ones keeps its colour
-    opacity += t >> 24, weight += w;
-    for (uint32_t c = 0; c < 3; ++c) sum[c] += linear[t >> (8 * c) & 255U] * w;
+  for (const Texel* t : texels) {
+    const float w = t->opacity + 1.0F / 4096;  // never 0: a clear texel among clear ones keeps its colour
+    weight += w, out.opacity += t->opacity * 0.25F;
+    for (size_t c = 0; c < 3; ++c) out.color[c] += t->color[c] * w;
   }
-  uint32_t out = (opacity + 2) / 4 << 24;
-  for (uint32_t c = 0; c < 3; ++c) out |= uint32_t(quick_srgb(sum[c] / weight)) << (8 * c);
+  for (float& c : out.color) c /= weight;
   return out;
 }
 
-void halve(const uint32_t* from, uint32_t width, uint32_t height, uint32_t* to) {
+std::vector<Texel> halved(const std::vector<Texel>& from, uint32_t width, uint32_t height) {
   const uint32_t w = std::max(1U, width / 2), h = std::max(1U, height / 2);
+  std::vector<Texel> to(size_t(w) * h);
   for (uint32_t y = 0; y < h; ++y) {
-    const uint32_t* a = from + size_t(std::min(2 * y, height - 1)) * width;
-    const uint32_t* b = from + size_t(std::min(2 * y + 1, height - 1)) * width;
+    const Texel* a = &from[size_t(std::min(2 * y, height - 1)) * width];
+    const Texel* b = &from[size_t(std::min(2 * y + 1, height - 1)) * width];
     for (uint32_t x = 0; x < w; ++x) {
       const uint32_t l = std::min(2 * x, width - 1), r = std::min(2 * x + 1, width - 1);
-      to[size_t(y) * w + x] = mean({a[l], a[r], b[l], b[r]});
+      to[size_t(y) * w + x] = mean({a + l, a + r, b + l, b + r});
     }
   }
+  return to;
 }
 
 }  // namespace
@@ -79,12 +82,26 @@ Result<MipTexture> MipTexture::make(const Image& image) {
     total += size_t(w) * h;
     if (w == 1 && h == 1) break;
   }
+  const bool clear = std::any_of(image.pixels.begin(), image.pixels.end(), [](const glm::u8vec4& p) { return p.a != 255; });
   t.texels_.resize(total);
-  std::transform(image.pixels.begin(), image.pixels.end(), t.texels_.begin(), packed);
-  for (uint32_t level = 1; level < t.view_.levels; ++level)
-    halve(&t.texels_[t.view_.level_offset[level - 1]], std::max(1U, image.width >> (level - 1)),
-          std::max(1U, image.height >> (level - 1)), &t.texels_[t.view_.level_offset[level]]);
+  if (clear) t.opacity_.resize(total);
+  std::vector<Texel> level(image.pixels.size());
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    const glm::u8vec4& p = image.pixels[i];
+    t.texels_[i] = static_cast<int32_t>(root_table()[p.r] | root_table()[p.g] << 10 | root_table()[p.b] << 20);
+    if (clear) t.opacity_[i] = p.a;
+    level[i] = {{linear_table()[p.r], linear_table()[p.g], linear_table()[p.b]}, static_cast<float>(p.a) / 255.0F};
+  }
+  for (uint32_t l = 1; l < t.view_.levels; ++l) {
+    level = halved(level, std::max(1U, image.width >> (l - 1)), std::max(1U, image.height >> (l - 1)));
+    for (size_t i = 0; i < level.size(); ++i) {
+      const std::array<float, 3>& c = level[i].color;
+      t.texels_[t.view_.level_offset[l] + i] = static_cast<int32_t>(root(c[0]) | root(c[1]) << 10 | root(c[2]) << 20);
+      if (clear) t.opacity_[t.view_.level_offset[l] + i] = static_cast<uint8_t>(level[i].opacity * 255.0F + 0.5F);
+    }
+  }
   t.view_.texels = t.texels_.data();
+  t.view_.opacity = clear ? t.opacity_.data() : nullptr;
   return t;
 }
 

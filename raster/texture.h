@@ -10,15 +10,14 @@
 
 namespace promenade {
 
-/// A picture with all its mip levels, sRGB + linear opacity, in one array. Averaged in linear light, weighted by
-/// opacity. Constant once made; any thread may read it.
+/// A picture with all its mip levels, in one array. Averaged in linear light, weighted by opacity. Constant once made; any thread may read it.
 class MipTexture {
  public:
   /// Refuses a picture without pixels, one whose array does not match its size, and sides over 32768.
   static Result<MipTexture> make(const Image& image);
 
   const raster_kernel::Texture& view() const { return view_; }
-  uint64_t byte_size() const { return texels_.size() * sizeof(uint32_t); }
+  uint64_t byte_size() const { return texels_.size() * sizeof(int32_t) + opacity_.size(); }
 
   MipTexture(MipTexture&&) noexcept = default;  // the view's pointer follows the array
   MipTexture& operator=(MipTexture&&) noexcept = default;
@@ -27,7 +26,8 @@ class MipTexture {
 
  private:
   MipTexture() = default;
-  std::vector<uint32_t> texels_;
+  std::vector<int32_t> texels_;
+  std::vector<uint8_t> opacity_;  ///< empty: opaque
   raster_kernel::Texture view_ = {};
 };
 

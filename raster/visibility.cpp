@@ -96,6 +96,11 @@ void set_transform(Item& item, const RasterView& view, const std::optional<glm::
     item.eye_lo[i] = static_cast<float>(eye[i] - double(item.eye_hi[i]));
     item.axis[i] = static_cast<float>(axis[i]);
   }
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) item.model_rows[i][k] = static_cast<float>(linear[k][i]);
+    item.model_rows[i][3] = static_cast<float>(offset[i]);
+  }
+  item.placed = placed.has_value();
   item.mirrored = det < 0;
   if (!(std::abs(det) > 0) || !finite(eye) || !finite(axis) || glm::length(eye) > double(kMaxCoordinate_m)) item.block_count = 0;
 }
