@@ -1,6 +1,7 @@
 #include "preprocess/build.h"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -232,6 +233,10 @@ Result<BuildFigures> build_model(const BuildOptions& options, JobMonitor& monito
   const Result<WorkFolder> folder = WorkFolder::open(beside(options.model, ".work"), files);
   if (!folder.ok()) return folder.error();
 
+  // More threads than cores are allowed where they are asked for.
+  const tbb::global_control threads(
+      tbb::global_control::max_allowed_parallelism,
+      std::max<size_t>(budget->jobs, tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
   tbb::task_arena arena(static_cast<int>(budget->jobs));
   Result<BuildFigures> figures = arena.execute([&] { return Build(options, *budget, *folder, files, monitor).run(); });
   if (figures.ok()) PROMENADE_TRY(folder->remove());

@@ -1,5 +1,6 @@
 #include "preprocess/build.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -173,16 +174,20 @@ TEST_F(BuildHills, refuses_to_build_into_a_model_that_another_build_has_locked) 
 
 TEST_F(BuildHills, leaves_nothing_under_the_models_name_when_the_disk_is_full) {
   options.jobs = 1;
-  ASSERT_TRUE(built(options).ok());
+  FaultyFileSystem counting;
+  counting.free_bytes = uint64_t(1) << 30;
+  ASSERT_TRUE(build_model(options, monitor, counting).ok());
+  const uint64_t needed = (uint64_t(1) << 30) - counting.free_bytes;
   const auto expected = bytes_of(model);
   options.model = folder.path() / "other.prom";
-  for (const uint64_t free_bytes : {0U, 1000U, 300'000U, 700'000U}) {
+  for (const uint64_t free_bytes : {uint64_t(0), uint64_t(1000), needed / 3, needed * 2 / 3, needed - 100}) {
     FaultyFileSystem files;
     files.free_bytes = free_bytes;
     const Result<BuildFigures> result = build_model(options, monitor, files);
     ASSERT_FALSE(result.ok()) << free_bytes << " bytes free";
     EXPECT_THAT(result.error().message, HasSubstr("other.prom")) << free_bytes;
     EXPECT_FALSE(std::filesystem::exists(options.model)) << free_bytes;
+    if (free_bytes + 100 < needed) std::filesystem::remove_all(folder.path() / "other.prom.work");
   }
   ASSERT_TRUE(built(options).ok());
   EXPECT_EQ(bytes_of(options.model), expected);
