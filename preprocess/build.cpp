@@ -1,6 +1,7 @@
 #include "preprocess/build.h"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -46,6 +47,7 @@ Status check_options(const BuildOptions& o) {
   };
   PROMENADE_TRY(check("node-triangles", o.node_triangles, 100, 60000));
   PROMENADE_TRY(check("level-factor", o.level_factor, 2, 16));
+  if (o.chunk_triangles != 0) PROMENADE_TRY(check("chunk-triangles", o.chunk_triangles, 1000, 1U << 24));
   PROMENADE_TRY(check("max-texture", o.max_texture_px, 64, 16384));
   return check("jpeg-quality", o.jpeg_quality < 0 ? 0U : static_cast<uint32_t>(o.jpeg_quality), 1, 100);
 }
@@ -220,8 +222,8 @@ class Build {
 
 Result<BuildFigures> build_model(const BuildOptions& options, JobMonitor& monitor, FileSystem& files) {
   PROMENADE_TRY(check_options(options));
-  const Result<MemoryBudget> budget =
-      plan_memory(options.memory_bytes, options.jobs, options.node_triangles, options.level_factor);
+  const Result<MemoryBudget> budget = plan_memory(
+      {options.memory_bytes, options.jobs, options.node_triangles, options.level_factor, options.chunk_triangles});
   if (!budget.ok()) return budget.error();
   const Result<FileLock> lock =
       FileLock::acquire(beside(options.model, ".lock"), fmt::format("model {}", options.model.string()));
@@ -231,6 +233,10 @@ Result<BuildFigures> build_model(const BuildOptions& options, JobMonitor& monito
   const Result<WorkFolder> folder = WorkFolder::open(beside(options.model, ".work"), files);
   if (!folder.ok()) return folder.error();
 
+  // More threads than cores are allowed where they are asked for.
+  const tbb::global_control threads(
+      tbb::global_control::max_allowed_parallelism,
+      std::max<size_t>(budget->jobs, tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
   tbb::task_arena arena(static_cast<int>(budget->jobs));
   Result<BuildFigures> figures = arena.execute([&] { return Build(options, *budget, *folder, files, monitor).run(); });
   if (figures.ok()) PROMENADE_TRY(folder->remove());

@@ -8,7 +8,7 @@
 namespace promenade {
 
 /// Shares in bytes unless they say otherwise. chunk_triangles and samples affect the model's bytes, so they depend on
-/// `memory_bytes` alone (in powers of two), never on the number of threads.
+/// `memory_bytes` alone (in powers of two) unless given, never on the number of threads.
 struct MemoryBudget {
   uint64_t memory_bytes = 0;
   uint32_t jobs = 1;             ///< threads that work at once
@@ -20,8 +20,16 @@ struct MemoryBudget {
   uint64_t textures = 0;         ///< decoded pictures
 };
 
-/// Errors: less than 256 MiB, or nodes so large that building one does not fit.
-/// jobs: 0 for as many as cores.
-Result<MemoryBudget> plan_memory(uint64_t memory_bytes, uint32_t jobs, uint32_t node_triangles, uint32_t level_factor);
+/// As in BuildOptions.
+struct MemoryWishes {
+  uint64_t memory_bytes = 0;
+  uint32_t jobs = 0;  ///< 0: as many as cores
+  uint32_t node_triangles = 2000;
+  uint32_t level_factor = 4;
+  uint32_t chunk_triangles = 0;  ///< 0: what memory allows
+};
+
+/// Errors: less than 256 MiB, or nodes or chunks so large that one does not fit.
+Result<MemoryBudget> plan_memory(const MemoryWishes& wishes);
 
 }  // namespace promenade

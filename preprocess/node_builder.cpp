@@ -62,8 +62,8 @@ uint32_t MaterialBase::plain(bool two_sided, bool see_through) const {
 
 GeometryEncodeOptions encode_options(GeometryCodec codec, float step_m) {
   GeometryEncodeOptions options;
-  options.codec = codec;
-  if (codec != GeometryCodec::raw) options.position_step_m = step_m;
+  options.codec = step_m > 0 ? codec : GeometryCodec::raw;
+  if (options.codec != GeometryCodec::raw) options.position_step_m = step_m;
   return options;
 }
 
@@ -239,6 +239,10 @@ Status NodeBuilder::encode(const Mesh& mesh, double step_m, StoredNode& stored, 
   for (int i = 0; i < kMostSteps; ++i, step_m *= 2) {
     stored.step_m = static_cast<float>(step_m);
     Result<EncodedMesh> encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
+    if (encoded.ok() && encoded->triangles == 0) {  // smaller than any grid, and yet a node needs a box
+      stored.step_m = 0;
+      encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
+    }
     if (encoded.ok()) {
       stored.mesh = std::move(encoded->bytes);
       error_m = encoded->position_error_m;

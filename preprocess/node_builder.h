@@ -24,7 +24,7 @@ struct MaterialBase {
 struct StoredNode {
   NodeRecord record;
   std::vector<std::byte> mesh;            ///< encoded; materials from MaterialBase::size() on are atlas_materials
-  float step_m = 0;                       ///< of the grid that the mesh was coded on
+  float step_m = 0;                       ///< of the grid that the mesh was coded on; 0: none
   std::vector<uint32_t> textures;         ///< shared ones, by TextureStore
   std::vector<std::byte> atlas;           ///< encoded picture; empty: none
   TextureRecord atlas_record;             ///< but for its segment
@@ -52,7 +52,7 @@ struct NodeBuilderOptions {
   uint32_t max_atlas_px = 512;  ///< a node is drawn when its error is about a pixel: rarely larger on the screen
 };
 
-/// How a node's mesh is coded.
+/// How a node's mesh is coded. step_m 0: as floats, whatever the codec.
 GeometryEncodeOptions encode_options(GeometryCodec codec, float step_m);
 
 struct BuiltNode {
