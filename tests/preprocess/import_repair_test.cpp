@@ -152,7 +152,7 @@ TEST(Repair, edge_of_three_faces_joins_nothing) {
 }
 
 TEST(Repair, solid_means_closed_consistent_and_outwards) {
-  const auto solid = [](const Mesh& mesh) { return solid_triangles(mesh)[0]; };
+  const auto solid = [](const Mesh& mesh) -> bool { return solid_triangles(mesh)[0]; };
   EXPECT_TRUE(solid(cube()));
   EXPECT_TRUE(solid(split(cube())));
   Mesh open = cube();
