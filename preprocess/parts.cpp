@@ -49,7 +49,7 @@ float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, f
   uint32_t hint = kNoTriangle;
   for (const glm::vec3& p : points) {
     const ClosestPointTree::Nearest found = tree_.nearest(p, {.hint = hint,
-                                                              .enough_distance2_m2 = cost2,
+                                                              .enough_distance2_m2 = limit_m * limit_m,
                                                               .group_of_triangle = part_of_triangle_.data(),
                                                               .group_hidden = hidden_.data()});
     cost2 = std::max(cost2, found.distance2_m2);

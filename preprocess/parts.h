@@ -22,8 +22,9 @@ class Parts {
   /// The triangles of a part, as the work mesh numbers them.
   const std::vector<uint32_t>& triangles(uint32_t part) const { return triangles_[part]; }
 
-  /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Stops looking
-  /// where it is over the limit.
+  /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Looks only until
+  /// it knows whether that is within the limit, so what it returns is exact for the first point over the limit, and no
+  /// more than the limit where there is none.
   float removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m);
 
   void remove(uint32_t part);
