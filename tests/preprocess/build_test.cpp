@@ -275,9 +275,9 @@ TEST_F(Build, ends_for_triangles_in_one_place) {
 class BuildTextured : public Build {
  protected:
   void SetUp() override {
-    Image picture{256, 256, std::vector<glm::u8vec4>(256 * 256)};
-    for (uint32_t y = 0; y < 256; ++y)
-      for (uint32_t x = 0; x < 256; ++x) picture.at(x, y) = x / 64 % 2 == 0 ? kRed : kBlue;
+    Image picture{128, 128, std::vector<glm::u8vec4>(128 * 128)};
+    for (uint32_t y = 0; y < 128; ++y)
+      for (uint32_t x = 0; x < 128; ++x) picture.at(x, y) = x / 32 % 2 == 0 ? kRed : kBlue;
     write_picture("stripes.png", picture);
     Mesh wall = test::grid(40, 20, [](float, float) { return 0.0F; });
     for (glm::vec3& p : wall.positions) {
