@@ -71,13 +71,13 @@ uint64_t hash_of(const BuildOptions& o, const MemoryBudget& budget, const Survey
 /// The grid of all leaves: far below their own detail, at most a millimetre, no finer than single precision.
 float leaf_step_m(const Survey& survey, uint32_t node_triangles) {
   constexpr double kStepsAcross = 65536;  // of a leaf of average size
-  constexpr double kCoarsest_m = 1.0 / 1024;
+  constexpr double kCoarsestM = 1.0 / 1024;
   const double leaves = std::max(1.0, double(survey.triangles) / node_triangles);
   const double leaf_m = survey.world_box.diagonal() / std::sqrt(leaves);
   const glm::dvec3 far =
       glm::max(glm::abs(survey.world_box.min - survey.origin), glm::abs(survey.world_box.max - survey.origin));
   const double precision_m = std::max({far.x, far.y, far.z}) * std::exp2(-24);
-  const double step_m = std::max({std::min(leaf_m / kStepsAcross, kCoarsest_m), precision_m, 1e-30});
+  const double step_m = std::max({std::min(leaf_m / kStepsAcross, kCoarsestM), precision_m, 1e-30});
   return static_cast<float>(std::exp2(std::floor(std::log2(step_m))));
 }
 

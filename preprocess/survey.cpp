@@ -19,7 +19,7 @@ constexpr uint64_t kMiB = uint64_t(1) << 20;
 // What importing a file takes, at most, in times its size: parsed text or decompressed geometry, then the scene.
 constexpr uint64_t kImportFactor = 4;
 // Farther than this from zero, single precision loses more than half a millimetre.
-constexpr double kFarFromZero_m = 8192;
+constexpr double kFarFromZeroM = 8192;
 
 constexpr glm::u8vec4 kLostTexture{180, 178, 174, 255};  // as import draws what has no picture: a light warm grey
 
@@ -143,7 +143,7 @@ class Surveyor {
   Survey finish() {
     survey_.samples = keeper_.take();
     const glm::dvec3 far = glm::max(glm::abs(survey_.world_box.min), glm::abs(survey_.world_box.max));
-    if (std::max({far.x, far.y, far.z}) > kFarFromZero_m) survey_.origin = glm::round(survey_.world_box.center());
+    if (std::max({far.x, far.y, far.z}) > kFarFromZeroM) survey_.origin = glm::round(survey_.world_box.center());
     return std::move(survey_);
   }
 
