@@ -225,6 +225,17 @@ TEST(Bake, coarsens_texels_until_the_atlas_fits) {
   EXPECT_LT(baked.texel_m, 4.0);
 }
 
+TEST(Bake, takes_the_mean_where_an_edge_crosses_a_texel) {
+  Mesh sheet;
+  add_quad(sheet, {0, 0, 0}, {2.5F, 0, 0}, {0, 5, 0}, 0);  // a texel of 0.5 m around x = 2.5 is half and half
+  add_quad(sheet, {2.5F, 0, 0}, {2.5F, 0, 0}, {0, 5, 0}, 1);
+  const std::vector<Material> materials = {colored({0, 0, 0, 255}), colored({255, 255, 255, 255})};
+  const BakedMesh baked = baked_ok(bare(sheet), sheet, materials, {}, {1.0, 256, 2});
+  std::set<uint32_t> values;
+  for (const glm::u8vec4& p : baked.atlas.pixels) values.insert(p.r);
+  EXPECT_THAT(values, testing::UnorderedElementsAre(0U, 188U, 255U));
+}
+
 TEST(Bake, survives_triangles_without_area) {
   Mesh mesh = bare(cube(2, {}));
   mesh.positions.emplace_back(1, 1, 2);
