@@ -40,10 +40,8 @@ class FaultyFileSystem : public FileSystem {
     free_bytes -= n;
     return FileSystem::write_at(descriptor, offset, bytes.first(n));
   }
-  int sync(int descriptor) override {
-    const int fault = next_fault();
-    return fault != 0 ? fault : FileSystem::sync(descriptor);
-  }
+  /// Nobody pulls the plug during a test: real syncs would only make it slow.
+  int sync(int) override { return next_fault(); }
   int info(int descriptor, FileInfo& info) override {
     const int fault = next_fault();
     return fault != 0 ? fault : FileSystem::info(descriptor, info);
