@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <exception>
+#include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 #include <new>
 
@@ -20,6 +21,8 @@ namespace {
 
 constexpr glm::u8vec4 kPlainColor{180, 178, 174, 255};  // of a surface whose picture is missing: a light warm grey
 
+constexpr size_t kSniffedBytes = 65536;
+
 using Reader = Result<ReadScene> (*)(const fs::path&, const std::string&, JobMonitor&);
 
 struct Format {
@@ -27,8 +30,14 @@ struct Format {
   Reader read;
 };
 
-constexpr auto kFormats =
-    std::to_array<Format>({{".glb", read_gltf}, {".gltf", read_gltf}, {".obj", read_obj}, {".ply", read_ply}});
+// assimp reads many more extensions; these are the ones that hold surfaces and that it reads well.
+constexpr auto kFormats = std::to_array<Format>(
+    {{".glb", read_gltf},      {".gltf", read_gltf},         {".obj", read_obj},        {".ply", read_ply},
+     {".json", read_cityjson}, {".cityjson", read_cityjson}, {".jsonl", read_cityjson}, {".dae", read_assimp},
+     {".fbx", read_assimp},    {".3ds", read_assimp},        {".ifc", read_assimp},     {".stl", read_assimp},
+     {".off", read_assimp},    {".ase", read_assimp},        {".x", read_assimp},       {".lwo", read_assimp},
+     {".ac", read_assimp},     {".blend", read_assimp},      {".dxf", read_assimp},     {".3mf", read_assimp},
+     {".amf", read_assimp},    {".x3d", read_assimp},        {".wrl", read_assimp},     {".zae", read_assimp}});
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -43,6 +52,18 @@ const Format* format_of(const fs::path& path) {
   return found == kFormats.end() ? nullptr : &*found;
 }
 
+/// JSON is a model only when it is CityJSON: paths, manifests and the like lie beside models. Its words are looked for
+/// near the start, where every writer puts one of them.
+bool is_model_file(const fs::path& path) {
+  const Format* format = format_of(path);
+  if (format == nullptr || lower(path.extension().string()) != ".json") return format != nullptr;
+  std::ifstream in(path, std::ios::binary);
+  std::string head(kSniffedBytes, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  return head.find("\"CityJSON\"") != std::string::npos || head.find("\"CityObjects\"") != std::string::npos;
+}
+
 std::string known_formats() {
   std::string out;
   for (const Format& format : kFormats) out += (out.empty() ? "" : " ") + std::string(format.extension.substr(1));
@@ -55,7 +76,7 @@ Status add_folder(const fs::path& folder, std::vector<SourcePart>& parts) {
   fs::recursive_directory_iterator entry(folder, error);
   for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
     std::error_code ignored;
-    if (!entry->is_regular_file(ignored) || format_of(entry->path()) == nullptr) continue;
+    if (!entry->is_regular_file(ignored) || !is_model_file(entry->path())) continue;
     found.push_back(
         {entry->path(), entry->path().lexically_relative(folder).generic_string(), entry->file_size(ignored)});
   }
@@ -76,6 +97,8 @@ Status add_file(const fs::path& path, std::vector<SourcePart>& parts) {
   if (format_of(path) == nullptr)
     return Error{fmt::format("{}: unknown format '{}'; known formats: {}", path.string(), path.extension().string(),
                              known_formats())};
+  if (!is_model_file(path))
+    return Error{fmt::format("{}: JSON, but no CityJSON; known formats: {}", path.string(), known_formats())};
   const uint64_t bytes = fs::file_size(path, error);
   if (error) return Error{fmt::format("{}: {}", path.string(), error.message())};
   parts.push_back({path, path.filename().string(), bytes});

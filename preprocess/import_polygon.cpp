@@ -18,6 +18,7 @@ namespace {
 using Vec2 = glm::dvec2;
 
 constexpr double kPlanarTolerance = 1e-3;  // of the polygon's size
+constexpr double kLineTolerance = 1e-10;   // area over size squared of what rounding makes of a line
 // Point-in-ear tests allowed for one polygon, plus so many a corner: bounds quadratic work on hostile input. Past it
 // ears are clipped unchecked.
 constexpr uint64_t kFreeTests = 20'000'000;
@@ -306,7 +307,7 @@ Triangulation triangulate(std::span<const glm::dvec3> points, std::span<const ui
     size = std::max(size, glm::distance(p, origin));
     off = std::max(off, std::abs(glm::dot(p - origin, normal)));
   }
-  if (!std::isfinite(size)) return out;
+  if (!std::isfinite(size) || length <= kLineTolerance * size * size) return out;
   out.non_planar = off > kPlanarTolerance * size;
   if (points.size() == 3) {
     out.corners = {0, 1, 2};
