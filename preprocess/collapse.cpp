@@ -12,6 +12,11 @@ namespace promenade {
 namespace {
 
 constexpr uint32_t kNone = WorkMesh::kNone;
+/// The hub of a larger fan waits until its spokes have gone: looking at all its targets takes the square of their
+/// number.
+constexpr size_t kLargestFan = 64;
+/// The same when flips are allowed and little else is left.
+constexpr size_t kLargestFanAtLast = 512;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// A triangle may not turn further than this in one collapse.
 constexpr float kLeastTurnCosine = 0.2F;
@@ -61,10 +66,12 @@ void Collapser::set_normal(uint32_t triangle) {
 
 void Collapser::find_ring(uint32_t place) {
   ring_.clear();
+  fan_.clear();
   ++walk_;
   for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c]) {
     const uint32_t t = triangle_of(c);
     if (work_.alive[t] == 0) continue;
+    fan_.push_back(c);
     for (const uint32_t other : {work_.place[next_corner_in(c)], work_.place[previous_corner_in(c)]}) {
       if (seen_in_[other] != walk_) {
         seen_in_[other] = walk_;
@@ -77,9 +84,10 @@ void Collapser::find_ring(uint32_t place) {
       if (!source_.materials.empty() && source_.materials[work_.source_triangle[t]] !=
                                             source_.materials[work_.source_triangle[triangle_of(known.corner)]])
         known.contrast = 1;
-      if (!source_.colors.empty())
-        known.contrast = std::max(known.contrast, color_contrast(source_.colors[work_.attributes[c]],
-                                                                 source_.colors[work_.attributes[known.corner]]));
+      if (source_.colors.empty() || work_.attributes[c] == work_.attributes[known.corner]) continue;
+      const glm::u8vec4 &here = source_.colors[work_.attributes[c]],
+                        &there = source_.colors[work_.attributes[known.corner]];
+      if (here != there) known.contrast = std::max(known.contrast, color_contrast(here, there));
     }
   }
 }
@@ -96,36 +104,60 @@ void Collapser::find_lines(uint32_t place) {
   }
 }
 
-float Collapser::estimate_to(uint32_t place, uint32_t target) const {
-  const glm::vec3 step = work_.positions[target] - work_.positions[place];
-  const float length2 = glm::dot(step, step);
-  float planes = 0;
-  for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c])
-    if (work_.alive[triangle_of(c)] != 0) planes = std::max(planes, std::abs(glm::dot(normals_[triangle_of(c)], step)));
-  float lines2 = 0;
-  for (const Line& line : lines_) {
-    const float along = glm::dot(line.direction, step);
-    lines2 = std::max(lines2, (length2 - along * along) * line.weight * line.weight);
+/// For all targets in the ring, which has been found, four at a time.
+void Collapser::estimate_ring(uint32_t place) {
+  find_lines(place);
+  const size_t groups = (ring_.size() + kLanes - 1) / kLanes;
+  estimates_.resize(groups);
+  const glm::vec3 from = work_.positions[place];
+  for (size_t g = 0; g < groups; ++g) {
+    alignas(16) float steps[3][kLanes];
+    for (size_t i = 0; i < kLanes; ++i) {
+      const glm::vec3 step = work_.positions[ring_[std::min(g * kLanes + i, ring_.size() - 1)].place] - from;
+      steps[0][i] = step.x, steps[1][i] = step.y, steps[2][i] = step.z;
+    }
+    const Lanes x = _mm_load_ps(steps[0]), y = _mm_load_ps(steps[1]), z = _mm_load_ps(steps[2]);
+    const auto along = [&](const glm::vec3& d) {
+      return x * _mm_set1_ps(d.x) + y * _mm_set1_ps(d.y) + z * _mm_set1_ps(d.z);
+    };
+    const Lanes length2 = x * x + y * y + z * z;
+    Lanes planes2 = _mm_setzero_ps();
+    for (const uint32_t c : fan_) {
+      const Lanes off = along(normals_[triangle_of(c)]);
+      planes2 = upper(planes2, off * off);
+    }
+    Lanes lines2 = _mm_setzero_ps();
+    for (const Line& line : lines_) {
+      const Lanes on = along(line.direction);
+      lines2 = upper(lines2, (length2 - on * on) * _mm_set1_ps(line.weight * line.weight));
+    }
+    const Lanes distance2 = upper(planes2 * _mm_set1_ps(kPlaneWeight * kPlaneWeight), lines2);
+    const Lanes estimate = _mm_sqrt_ps(distance2) + _mm_set1_ps(kLengthWeight) * _mm_sqrt_ps(length2);
+    _mm_store_ps(estimates_[g].data(), estimate);
   }
-  return std::max(planes * kPlaneWeight, std::sqrt(lines2)) + kLengthWeight * std::sqrt(length2);
+}
+
+/// Finds the ring, unless the place stays anyway.
+bool Collapser::may_go(uint32_t place) {
+  if (locked_[place] != 0) return false;
+  find_ring(place);
+  return fan_.size() <= (flips_allowed_ ? kLargestFanAtLast : kLargestFan);
 }
 
 float Collapser::estimate(uint32_t place) {
-  if (locked_[place] != 0) return kInfinity;
-  find_ring(place);
-  find_lines(place);
+  if (!may_go(place)) return kInfinity;
+  estimate_ring(place);
   float least = kInfinity;
-  for (const Neighbour& n : ring_) least = std::min(least, estimate_to(place, n.place));
+  for (size_t i = 0; i < ring_.size(); ++i) least = std::min(least, estimates_[i / kLanes][i % kLanes]);
   return least;
 }
 
 Collapser::Choice Collapser::choose(uint32_t place, float limit_m) {
   Choice best;
-  if (locked_[place] != 0) return best;
-  find_ring(place);
-  find_lines(place);
+  if (!may_go(place)) return best;
+  estimate_ring(place);
   choices_.clear();
-  for (const Neighbour& n : ring_) choices_.push_back({n.place, estimate_to(place, n.place)});
+  for (size_t i = 0; i < ring_.size(); ++i) choices_.push_back({ring_[i].place, estimates_[i / kLanes][i % kLanes]});
   std::sort(choices_.begin(), choices_.end(), [](const Choice& a, const Choice& b) {
     return a.cost_m != b.cost_m ? a.cost_m < b.cost_m : a.target < b.target;
   });
@@ -145,8 +177,7 @@ bool Collapser::is_sound(uint32_t place, uint32_t target) const {
   if (flips_allowed_) return true;
   const glm::vec3 from = work_.positions[place];
   const glm::vec3 to = work_.positions[target];
-  for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c]) {
-    if (work_.alive[triangle_of(c)] == 0) continue;
+  for (const uint32_t c : fan_) {
     const uint32_t next = work_.place[next_corner_in(c)], previous = work_.place[previous_corner_in(c)];
     if (next == target || previous == target) continue;
     const glm::vec3 a = work_.positions[next], b = work_.positions[previous];
@@ -250,15 +281,13 @@ float Collapser::measure(uint32_t place, uint32_t target, float limit_m, std::ve
   if (candidates_.empty()) return kInfinity;
   const float limit2 = limit_m * limit_m;
   float farthest2 = 0;
-  for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c]) {
-    if (work_.alive[triangle_of(c)] == 0) continue;
+  for (const uint32_t c : fan_)
     for (uint32_t p = first_point_[triangle_of(c)]; p != kNone; p = next_point_[p]) {
       float distance2 = 0;
       moved.push_back(nearest_candidate(p, distance2));
       farthest2 = std::max(farthest2, distance2);
       if (farthest2 > limit2) return std::sqrt(farthest2);
     }
-  }
   return std::sqrt(farthest2);
 }
 

@@ -77,7 +77,8 @@ class Collapser {
 
   void find_ring(uint32_t place);
   void find_lines(uint32_t place);
-  float estimate_to(uint32_t place, uint32_t target) const;
+  bool may_go(uint32_t place);
+  void estimate_ring(uint32_t place);
   bool is_sound(uint32_t place, uint32_t target) const;
   uint32_t find_twin(uint32_t corner, uint32_t target) const;
   void move_corner(uint32_t corner, uint32_t target);
@@ -112,6 +113,9 @@ class Collapser {
   std::vector<Neighbour> ring_;
   std::vector<uint32_t> ring_places_;
   std::vector<Line> lines_;
+  std::vector<uint32_t> fan_;  // the place's corners in living triangles
+  struct alignas(16) Estimates : std::array<float, kLanes> {};
+  std::vector<Estimates> estimates_;  // for ring_, four by four
   std::vector<Choice> choices_;
   std::vector<Frames> frames_;
   std::vector<uint32_t> candidates_;

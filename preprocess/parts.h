@@ -15,6 +15,7 @@ namespace promenade {
 /// queue would cost.
 class Parts {
  public:
+  /// The work mesh must outlive it.
   explicit Parts(const WorkMesh& work);
 
   uint32_t count() const { return static_cast<uint32_t>(triangles_.size()); }
@@ -22,8 +23,9 @@ class Parts {
   /// The triangles of a part, as the work mesh numbers them.
   const std::vector<uint32_t>& triangles(uint32_t part) const { return triangles_[part]; }
 
-  /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Stops looking
-  /// where it is over the limit.
+  /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Exact where it
+  /// is over the limit, else no more than the limit. A part's first look ends at the first point over the limit: most
+  /// parts are far too dear and never looked at again.
   float removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m);
 
   void remove(uint32_t part);
@@ -33,12 +35,22 @@ class Parts {
   uint32_t nearest_corner(const glm::vec3& point) const;
 
  private:
-  ClosestPointTree tree_;
+  void build_tree();
+
+  const std::vector<glm::vec3>& positions_;
+  std::vector<uint32_t> indices_;  // as in the beginning
   std::vector<uint32_t> part_of_place_;
-  std::vector<uint32_t> part_of_triangle_;
   std::vector<std::vector<uint32_t>> triangles_;
   std::vector<uint8_t> hidden_;
+  std::vector<uint32_t> looks_;
   uint32_t remaining_ = 0;
+
+  // The tree has the triangles that remained when it was built: hidden ones cost time, so it is built anew when half
+  // are.
+  ClosestPointTree tree_;
+  std::vector<uint32_t> tree_triangles_;
+  std::vector<uint32_t> part_of_tree_triangle_;
+  size_t hidden_in_tree_ = 0;
 };
 
 }  // namespace promenade

@@ -20,7 +20,7 @@ constexpr float kOnFaceShare = 1e-6F;
 constexpr double kMostLockedShare = 0.25;
 
 /// Measured costs may exceed the cheapest in the queue by this factor before something else is tried first.
-constexpr float kPatience = 1.1F;
+constexpr float kPatience = 1.2F;
 
 /// Bits of the cell's faces that each place lies on.
 std::vector<uint8_t> find_cell_faces(const WorkMesh& work, const Box& cell) {
@@ -122,8 +122,8 @@ class Simplifier {
   void try_part(uint32_t part) {
     const float queued = queue_.top_cost();
     queue_.remove(places() + part);
-    gather_points(part);
     const float limit = patience(queued);
+    gather_points(part, limit);
     const float cost = parts_.removal_cost(part, points_, limit);
     if (cost > limit) return queue_.set(places() + part, cost);
     parts_.remove(part);
@@ -138,16 +138,22 @@ class Simplifier {
     }
   }
 
-  /// The points that a part stands for, and some on the inside of its triangles: a post touches floor and ceiling with
-  /// all its corners.
-  void gather_points(uint32_t part) {
+  /// The points that a part stands for, and some on the inside of what is longer than `spacing_m`: a post touches floor
+  /// and ceiling with all its corners.
+  void gather_points(uint32_t part, float spacing_m) {
     points_.clear();
     for (const uint32_t t : parts_.triangles(part)) {
       if (work_.alive[t] == 0) continue;
       collapser_.points_on(t, points_);
-      const glm::vec3 a = work_.at(t * 3), b = work_.at(t * 3 + 1), c = work_.at(t * 3 + 2);
-      for (const glm::vec3& p : {(a + b + c) / 3.0F, (a + b) * 0.5F, (b + c) * 0.5F, (c + a) * 0.5F})
-        points_.push_back(p);
+      const glm::vec3 middle = (work_.at(t * 3) + work_.at(t * 3 + 1) + work_.at(t * 3 + 2)) / 3.0F;
+      bool large = false;
+      for (uint32_t i = 0; i < 3; ++i) {
+        const glm::vec3 a = work_.at(t * 3 + i), b = work_.at(t * 3 + (i + 1) % 3);
+        if (glm::dot(b - a, b - a) <= spacing_m * spacing_m) continue;
+        large = true;
+        if (work_.place[t * 3 + i] < work_.place[t * 3 + (i + 1) % 3]) points_.push_back((a + b) * 0.5F);
+      }
+      if (large) points_.push_back(middle);
     }
   }
 

@@ -165,6 +165,18 @@ inline Mesh disjoint_triangles(uint32_t triangles, float size = 0.3F, uint64_t s
   return mesh;
 }
 
+/// A flat disc of triangles that all meet in its middle.
+inline Mesh hub(uint32_t spokes) {
+  Mesh mesh;
+  mesh.positions.emplace_back(0, 0, 0);
+  for (uint32_t s = 0; s < spokes; ++s) {
+    const double phi = 2 * std::numbers::pi * s / spokes;
+    mesh.positions.emplace_back(std::cos(phi), std::sin(phi), 0);
+    mesh.indices.insert(mesh.indices.end(), {0, 1 + s, 1 + (s + 1) % spokes});
+  }
+  return mesh;
+}
+
 /// Triangles between few places: edges with many triangles, fans through a point, repeated and degenerate ones.
 inline Mesh tangled_soup(uint32_t triangles, uint32_t places, uint64_t seed = 1) {
   Numbers numbers(seed);
