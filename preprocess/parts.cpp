@@ -8,8 +8,6 @@ namespace promenade {
 
 namespace {
 
-constexpr size_t kQuickPoints = 4;  // that the quick estimate asks about
-
 uint32_t root_of(std::vector<uint32_t>& parent, uint32_t place) {
   while (parent[place] != place) place = parent[place] = parent[parent[place]];
   return place;
@@ -38,53 +36,42 @@ Parts::Parts(const WorkMesh& work) : tree_(work.positions, work.place) {
     part_of_triangle_[t] = part;
     triangles_[part].push_back(t);
   }
-  points_.resize(triangles_.size());
   part_of_place_.assign(work.place_count(), WorkMesh::kNone);
-  for (uint32_t p = 0; p < work.place_count(); ++p) {
-    const uint32_t part = part_of_root[root_of(parent, p)];
-    if (part == WorkMesh::kNone) continue;  // a place that no triangle uses
-    part_of_place_[p] = part;
-    points_[part].push_back(work.positions[p]);
-  }
+  for (uint32_t p = 0; p < work.place_count(); ++p) part_of_place_[p] = part_of_root[root_of(parent, p)];
   hidden_.assign(count(), 0);
   remaining_ = count();
 }
 
-float Parts::cost_of_points(uint32_t part, size_t stride) {
+float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m) {
   if (remaining_ < 2) return std::numeric_limits<float>::infinity();
   hidden_[part] = 1;
   float cost2 = 0;
   uint32_t hint = kNoTriangle;
-  for (size_t i = 0; i < points_[part].size(); i += stride) {
-    const ClosestPointTree::Nearest found =
-        tree_.nearest(points_[part][i], {.hint = hint,
-                                         .enough_distance2_m2 = cost2,
-                                         .group_of_triangle = part_of_triangle_.data(),
-                                         .group_hidden = hidden_.data()});
+  for (const glm::vec3& p : points) {
+    const ClosestPointTree::Nearest found = tree_.nearest(p, {.hint = hint,
+                                                              .enough_distance2_m2 = cost2,
+                                                              .group_of_triangle = part_of_triangle_.data(),
+                                                              .group_hidden = hidden_.data()});
     cost2 = std::max(cost2, found.distance2_m2);
     hint = found.triangle;
+    if (cost2 > limit_m * limit_m) break;
   }
   hidden_[part] = 0;
   return std::sqrt(cost2);
 }
 
-float Parts::least_removal_cost(uint32_t part) {
-  return cost_of_points(part, std::max<size_t>(1, points_[part].size() / kQuickPoints));
-}
-
-float Parts::removal_cost(uint32_t part) { return cost_of_points(part, 1); }
-
 void Parts::remove(uint32_t part) {
   hidden_[part] = 1;
   --remaining_;
-  uint32_t hint = kNoTriangle;
-  for (const glm::vec3& p : points_[part]) {
-    const ClosestPointTree::Nearest found =
-        tree_.nearest(p, {.hint = hint, .group_of_triangle = part_of_triangle_.data(), .group_hidden = hidden_.data()});
-    hint = found.triangle;
-    if (found.triangle != kNoTriangle) points_[part_of_triangle_[found.triangle]].push_back(p);
-  }
-  points_[part] = {};
+}
+
+uint32_t Parts::nearest_corner(const glm::vec3& point) const {
+  const ClosestPointTree::Nearest found =
+      tree_.nearest(point, {.group_of_triangle = part_of_triangle_.data(), .group_hidden = hidden_.data()});
+  if (found.triangle == kNoTriangle) return WorkMesh::kNone;
+  const glm::vec3 weights = tree_.closest_on(found.triangle, point).barycentric;
+  const uint32_t corner = weights.x >= weights.y && weights.x >= weights.z ? 0 : weights.y >= weights.z ? 1 : 2;
+  return found.triangle * 3 + corner;
 }
 
 }  // namespace promenade

@@ -1,5 +1,5 @@
 #pragma once
-// Disjoint parts of a mesh, and how far each lies from what would remain without it.
+// Disjoint parts of a mesh, and how far points lie from what would remain without one.
 
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -10,40 +10,32 @@
 
 namespace promenade {
 
-/// Parts are sets of triangles that share places, numbered in order of their first triangle.
-///
-/// Taking a part away moves no surface but leaves the part's own points without any: the cost is their distance to what
-/// remains. A later removal may take away what they were near, so the points of a removed part are handed to the part
-/// that they are nearest to, and count when that one's turn comes.
+/// Parts are sets of triangles that share places, numbered in order of their first triangle. Distances are to the parts
+/// as they were in the beginning, those not removed: collapses meanwhile move them by less than anything still in the
+/// queue would cost.
 class Parts {
  public:
   explicit Parts(const WorkMesh& work);
 
-  uint32_t count() const { return static_cast<uint32_t>(points_.size()); }
-  uint32_t remaining() const { return remaining_; }
-  bool removed(uint32_t part) const { return hidden_[part] != 0; }
+  uint32_t count() const { return static_cast<uint32_t>(triangles_.size()); }
   uint32_t of_place(uint32_t place) const { return part_of_place_[place]; }
-
-  /// Distance in metres, at most: a quick lower estimate of removal_cost.
-  float least_removal_cost(uint32_t part);
-
-  /// Largest distance of the points that only this part represents to the parts that remain. Infinite for the last
-  /// part.
-  float removal_cost(uint32_t part);
-
-  /// Takes the part away. The caller kills its triangles.
-  void remove(uint32_t part);
-
   /// The triangles of a part, as the work mesh numbers them.
   const std::vector<uint32_t>& triangles(uint32_t part) const { return triangles_[part]; }
 
- private:
-  float cost_of_points(uint32_t part, size_t stride);
+  /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Stops looking
+  /// where it is over the limit.
+  float removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m);
 
-  ClosestPointTree tree_;  // of the whole, as it was in the beginning
+  void remove(uint32_t part);
+
+  /// A corner, as the work mesh numbers them, of the triangle nearest to a point among the parts that remain; kNone
+  /// where none does.
+  uint32_t nearest_corner(const glm::vec3& point) const;
+
+ private:
+  ClosestPointTree tree_;
   std::vector<uint32_t> part_of_place_;
   std::vector<uint32_t> part_of_triangle_;
-  std::vector<std::vector<glm::vec3>> points_;  // of each part, inherited ones included
   std::vector<std::vector<uint32_t>> triangles_;
   std::vector<uint8_t> hidden_;
   uint32_t remaining_ = 0;

@@ -19,6 +19,9 @@ constexpr float kOnFaceShare = 1e-6F;
 /// as places.
 constexpr double kMostLockedShare = 0.25;
 
+/// Measured costs may exceed the cheapest in the queue by this factor before something else is tried first.
+constexpr float kPatience = 1.1F;
+
 /// Bits of the cell's faces that each place lies on.
 std::vector<uint8_t> find_cell_faces(const WorkMesh& work, const Box& cell) {
   std::vector<uint8_t> faces(work.place_count(), 0);
@@ -78,17 +81,11 @@ class Simplifier {
 
   void queue_parts() {
     if (parts_.count() < 2) return;
-    for (uint32_t part = 0; part < parts_.count(); ++part) queue_.set(places() + part, parts_.least_removal_cost(part));
+    for (uint32_t part = 0; part < parts_.count(); ++part) queue_.set(places() + part, 0);
   }
 
   void queue_places() {
-    for (uint32_t p = 0; p < places(); ++p) queue_place(p);
-  }
-
-  /// At its cheapest target: whether that is sound is looked at when its turn comes.
-  void queue_place(uint32_t place) {
-    const Collapser::Choice choice = collapser_.cheapest(place);
-    queue_.set(place, choice.target == WorkMesh::kNone ? std::numeric_limits<float>::infinity() : choice.cost_m);
+    for (uint32_t p = 0; p < places(); ++p) queue_.set(p, collapser_.estimate(p));
   }
 
   void drain() {
@@ -103,30 +100,54 @@ class Simplifier {
 
   void try_place(uint32_t place) {
     const float queued = queue_.top_cost();
-    const Collapser::Choice choice = collapser_.cheapest_sound(place);
-    if (choice.target == WorkMesh::kNone) return queue_.remove(place);
-    if (choice.cost_m > queued) return queue_.set(place, choice.cost_m);
+    queue_.remove(place);
+    const float limit = patience(queued);
+    const Collapser::Choice choice = collapser_.choose(place, limit);
+    if (choice.target == WorkMesh::kNone) return;
+    if (choice.cost_m > limit) return queue_.set(place, choice.cost_m);
     // The last triangles of a part go by its removal, which knows how far that is.
     uint32_t& alive = alive_in_part_[parts_.of_place(place)];
     const uint32_t before = work_.alive_count;
-    if (collapser_.triangles_between(place, choice.target) >= alive) return queue_.remove(place);
+    if (collapser_.triangles_between(place, choice.target) >= alive) return;
     collapser_.collapse(place, choice.target);
     alive -= before - work_.alive_count;
-    queue_.remove(place);
-    queue_place(choice.target);
-    const std::vector<uint32_t> ring = collapser_.neighbours(choice.target);
-    for (const uint32_t p : ring) queue_place(p);
+    queue_.set(choice.target, collapser_.estimate(choice.target));
+    ring_ = collapser_.ring_of(choice.target);
+    for (const uint32_t p : ring_) queue_.set(p, collapser_.estimate(p));
   }
+
+  /// What costs no more than this may as well be done now: the rest of the queue costs about as much.
+  float patience(float queued) const { return std::max(queued, queue_.empty() ? 0 : queue_.top_cost()) * kPatience; }
 
   void try_part(uint32_t part) {
     const float queued = queue_.top_cost();
-    const float cost = parts_.removal_cost(part);
-    if (cost > queued) return queue_.set(places() + part, cost);
     queue_.remove(places() + part);
+    gather_points(part);
+    const float limit = patience(queued);
+    const float cost = parts_.removal_cost(part, points_, limit);
+    if (cost > limit) return queue_.set(places() + part, cost);
     parts_.remove(part);
     for (const uint32_t t : parts_.triangles(part)) {
+      if (work_.alive[t] == 0) continue;
       for (uint32_t c = 0; c < 3; ++c) queue_.remove(work_.place[t * 3 + c]);
       work_.kill(t);
+    }
+    for (const glm::vec3& p : points_) {
+      const uint32_t corner = parts_.nearest_corner(p);
+      if (corner != WorkMesh::kNone) collapser_.add_point(p, work_.current(work_.place[corner]));
+    }
+  }
+
+  /// The points that a part stands for, and some on the inside of its triangles: a post touches floor and ceiling with
+  /// all its corners.
+  void gather_points(uint32_t part) {
+    points_.clear();
+    for (const uint32_t t : parts_.triangles(part)) {
+      if (work_.alive[t] == 0) continue;
+      collapser_.points_on(t, points_);
+      const glm::vec3 a = work_.at(t * 3), b = work_.at(t * 3 + 1), c = work_.at(t * 3 + 2);
+      for (const glm::vec3& p : {(a + b + c) / 3.0F, (a + b) * 0.5F, (b + c) * 0.5F, (c + a) * 0.5F})
+        points_.push_back(p);
     }
   }
 
@@ -148,6 +169,8 @@ class Simplifier {
   uint32_t target_;
   CostQueue queue_;
   std::vector<uint32_t> alive_in_part_;
+  std::vector<uint32_t> ring_;
+  std::vector<glm::vec3> points_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 #include "preprocess/weld.h"
 
@@ -42,6 +43,8 @@ WorkMesh make_work_mesh(const Mesh& mesh) {
     work.positions.push_back(mesh.positions[v] - work.origin);
   }
   work.first_corner.assign(places.count(), WorkMesh::kNone);
+  work.merged_into.resize(places.count());
+  std::iota(work.merged_into.begin(), work.merged_into.end(), 0U);
   const size_t corners = mesh.indices.size();
   work.place.reserve(corners), work.attributes.reserve(corners), work.next_corner.reserve(corners);
   for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {

@@ -23,11 +23,18 @@ struct WorkMesh {
   std::vector<uint8_t> alive;              ///< of each triangle
   std::vector<uint32_t> first_corner;      ///< of each place: a chain of corners, dead triangles' among them
   std::vector<uint32_t> next_corner;       ///< of each corner
+  std::vector<uint32_t> merged_into;       ///< of each place: where it went, or itself
   uint32_t alive_count = 0;
 
   size_t triangle_count() const { return alive.size(); }
   size_t place_count() const { return positions.size(); }
   glm::vec3 at(uint32_t corner) const { return positions[place[corner]]; }
+
+  /// Where a place has gone in the end.
+  uint32_t current(uint32_t p) {
+    while (merged_into[p] != p) p = merged_into[p] = merged_into[merged_into[p]];
+    return p;
+  }
 
   void kill(uint32_t triangle) {
     alive_count -= alive[triangle];

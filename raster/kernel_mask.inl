@@ -1,0 +1,130 @@
+// Part of kernel.inl: surfaces that are not there everywhere. `mask` drops what is below the cut-off; `blend` drops a share
+// of the pixels by an 8 x 8 ordered pattern (a screen door), so that one surface a pixel is enough and nothing is sorted.
+// Reached only after a pixel has won its depth test, so that opaque triangles pay nothing.
+
+/// u / w and v / w over the picture, and how far apart neighbouring pixels lie in the texture.
+struct MaskTriangle {
+  const Surface* surface = nullptr;  ///< null: solid
+  double u[3], v[3];                 ///< x, y, constant; sub-pixels from the axis
+  float opacity = 1;                 ///< of vertices and material
+  float texels_a_pixel = 0;          ///< perspective: at 1 m
+  int32_t axis_x = 0, axis_y = 0;
+  uint32_t door = 0;  ///< shifts the screen door's pattern, so that two panes do not hide the same pixels
+  bool orthographic = false;
+};
+
+/// Solves for the linear function of (x, y, w) that takes three values at three points; orthographic: w is 1.
+PROMENADE_INLINE bool linear_over(const ViewPoint* p, const double (*values)[3], int count, double (*out)[3]) {
+  const auto cross = [](const ViewPoint& a, const ViewPoint& b, double* c) {
+    c[0] = double(a.y) * b.w - double(a.w) * b.y;
+    c[1] = double(a.w) * b.x - double(a.x) * b.w;
+    c[2] = double(a.x) * b.y - double(a.y) * b.x;
+  };
+  double n[3][3];
+  cross(p[1], p[2], n[0]), cross(p[2], p[0], n[1]), cross(p[0], p[1], n[2]);
+  const double det = p[0].x * n[0][0] + p[0].y * n[0][1] + p[0].w * n[0][2];
+  if (det == 0) return false;
+  const double inverse = 1.0 / det;
+  for (int i = 0; i < count; ++i)
+    for (int k = 0; k < 3; ++k)
+      out[i][k] = (values[i][0] * n[0][k] + values[i][1] * n[1][k] + values[i][2] * n[2][k]) * inverse;
+  return true;
+}
+
+void set_up_mask(const Frame& f, const Item& item, uint32_t triangle, MaskTriangle& m) {
+  const uint32_t material = item.materials == nullptr ? 0 : item.materials[triangle];
+  m.surface = nullptr;
+  if (item.surfaces == nullptr || material >= item.surface_count) return;
+  const Surface& surface = item.surfaces[material];
+  if (surface.alpha == 0) return;
+  m.opacity = surface.color[3];
+  m.axis_x = f.axis_x, m.axis_y = f.axis_y, m.orthographic = f.orthographic;
+  m.door = (item.first_id >> 8) * 5U + material * 3U;
+  const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(triangle);
+  if (item.colors != nullptr) {
+    float sum = 0;
+    for (int i = 0; i < 3; ++i) sum += static_cast<float>(item.colors[index[i]] >> 24);
+    m.opacity *= sum / (3.0F * 255.0F);
+  }
+  m.surface = &surface;
+  m.texels_a_pixel = 0;
+  if (surface.texture == nullptr || surface.texture->opacity == nullptr || item.texcoords == nullptr) return;
+  ViewPoint p[3];
+  double uv[2][3], solved[2][3] = {};
+  const float* at[3];
+  for (int i = 0; i < 3; ++i) {
+    at[i] = item.positions + 3 * static_cast<uint64_t>(index[i]);
+    p[i] = view_point(item, at[i][0], at[i][1], at[i][2]);
+    if (f.orthographic) p[i].w = 1.0F;
+    uv[0][i] = item.texcoords[2 * static_cast<uint64_t>(index[i])];
+    uv[1][i] = item.texcoords[2 * static_cast<uint64_t>(index[i]) + 1];
+  }
+  linear_over(p, uv, 2, solved);
+  for (int k = 0; k < 3; ++k) m.u[k] = solved[0][k], m.v[k] = solved[1][k];
+  float e1[3], e2[3], row = 0;
+  for (int k = 0; k < 3; ++k)
+    e1[k] = at[1][k] - at[0][k], e2[k] = at[2][k] - at[0][k], row += item.rows[0][k] * item.rows[0][k];
+  const float cx = e1[1] * e2[2] - e1[2] * e2[1], cy = e1[2] * e2[0] - e1[0] * e2[2], cz = e1[0] * e2[1] - e1[1] * e2[0];
+  const float area = __builtin_sqrtf((cx * cx + cy * cy) + cz * cz);
+  const double uv_area = (uv[0][1] - uv[0][0]) * (uv[1][2] - uv[1][0]) - (uv[0][2] - uv[0][0]) * (uv[1][1] - uv[1][0]);
+  const float texels = static_cast<float>(__builtin_fabs(uv_area)) * static_cast<float>(surface.texture->width) *
+                       static_cast<float>(surface.texture->height);
+  if (area > 0 && row > 0)
+    m.texels_a_pixel = __builtin_sqrtf(texels / area) * static_cast<float>(kSubpixel) / __builtin_sqrtf(row);
+}
+
+/// A texel's column or row; t in units of the picture's size.
+PROMENADE_INLINE uint32_t wrapped_texel(float t, uint8_t wrap, uint32_t size) {
+  t = max_of(-1e6F, min_of(1e6F, t));
+  if (!(t == t)) t = 0;
+  if (wrap == 2) {
+    t = max_of(0.0F, min_of(1.0F, t));
+  } else if (wrap == 1) {
+    t = t * 0.5F, t = (t - __builtin_floorf(t)) * 2.0F;
+    if (t > 1.0F) t = 2.0F - t;
+  } else {
+    t = t - __builtin_floorf(t);
+  }
+  const uint32_t i = static_cast<uint32_t>(t * static_cast<float>(size));
+  return i < size ? i : size - 1;
+}
+
+PROMENADE_INLINE float opacity_at(const MaskTriangle& m, float x, float y, float z) {
+  const Surface& s = *m.surface;
+  if (m.texels_a_pixel <= 0) return m.opacity;
+  const Texture& t = *s.texture;
+  const float w = m.orthographic ? 1.0F : 1.0F / z;
+  const float u = static_cast<float>((m.u[0] * x + m.u[1] * y) + m.u[2]) * w;
+  const float v = static_cast<float>((m.v[0] * x + m.v[1] * y) + m.v[2]) * w;
+  const float footprint = max_of(1.0F, min_of(65536.0F, m.texels_a_pixel * w));
+  uint32_t level = static_cast<uint32_t>(31 - __builtin_clz(static_cast<uint32_t>(footprint)));
+  if (level >= t.levels) level = t.levels - 1;
+  const uint32_t width = t.width >> level == 0 ? 1 : t.width >> level, height = t.height >> level == 0 ? 1 : t.height >> level;
+  const uint32_t tx = wrapped_texel(u, s.wrap_u, width), ty = wrapped_texel(v, s.wrap_v, height);
+  return m.opacity * static_cast<float>(t.opacity[t.level_offset[level] + static_cast<uint64_t>(ty) * width + tx]) / 255.0F;
+}
+
+/// Threshold of the screen door at a pixel, (0, 1): bits of x ^ y and y interleaved, the ordered dither of Bayer.
+PROMENADE_INLINE float door_threshold(uint32_t px, uint32_t py) {
+  const uint32_t a = px ^ py;
+  const uint32_t rank = (a & 1U) << 5 | (py & 1U) << 4 | (a & 2U) << 2 | (py & 2U) << 1 | (a & 4U) >> 1 | (py & 4U) >> 2;
+  return (static_cast<float>(rank) + 0.5F) / 64.0F;
+}
+
+/// Those of the lanes at which the surface is there.
+PROMENADE_INLINE uint32_t solid_lanes(const MaskTriangle& m, uint32_t lanes, F x, F y, F z) {
+  if (m.surface == nullptr || lanes == 0) return lanes;
+  float xs[kLanes], ys[kLanes], zs[kLanes];
+  store(xs, x), store(ys, y), store(zs, z);
+  uint32_t solid = 0;
+  for (uint32_t left = lanes; left != 0; left &= left - 1) {
+    const int i = __builtin_ctz(left);
+    const float opacity = opacity_at(m, xs[i], ys[i], zs[i]);
+    const uint32_t px = static_cast<uint32_t>(static_cast<int32_t>(xs[i]) + m.axis_x) >> 8;
+    const uint32_t py = static_cast<uint32_t>(static_cast<int32_t>(ys[i]) + m.axis_y) >> 8;
+    const bool there = m.surface->alpha == 1 ? opacity >= m.surface->alpha_cutoff
+                                             : opacity > door_threshold(px + m.door, py + (m.door >> 3));
+    solid |= (there ? 1U : 0U) << i;
+  }
+  return solid;
+}

@@ -1,0 +1,42 @@
+#pragma once
+// A mesh as the rasteriser wants it: once a mesh, for all frames.
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "geometry/mesh.h"
+#include "geometry/result.h"
+#include "raster/kernel.h"
+
+namespace promenade {
+
+/// Largest coordinate of a mesh, in metres: beyond it single precision overflows on the way to the picture.
+constexpr float kMaxCoordinate_m = 1e12F;
+
+struct PrepareOptions {
+  /// Keeps what shading and holes need (normals, texture coordinates, colours). Without: depth and ids only, and
+  /// surfaces with holes are solid. Saves up to half of the memory.
+  bool attributes = true;
+};
+
+/// A mesh cut into blocks of up to 64 vertices and 128 triangles that lie close together and face alike, positions in
+/// separate arrays a coordinate. Constant once made; any thread may draw it. Holds all that it needs of the mesh.
+struct PreparedMesh {
+  Box box;
+  std::vector<raster_kernel::Block> blocks;
+  std::vector<float> x, y, z;                     ///< vertices of the blocks
+  std::array<std::vector<uint8_t>, 3> corners;    ///< of the blocks' triangles
+  std::vector<uint32_t> triangle_of;              ///< number in the mesh as given
+  uint32_t triangle_count = 0;                    ///< of the mesh as given
+  Mesh attributes;                                ///< as given; without PrepareOptions::attributes empty
+
+  uint64_t byte_size() const;
+};
+
+/// Refuses meshes that find_defect refuses, and coordinates beyond kMaxCoordinate_m. Triangles without an area are
+/// left out: they cover no pixel. A triangle whose material is not in `materials` counts as opaque and one-sided.
+/// Pure; any thread; the same mesh gives the same blocks.
+Result<PreparedMesh> prepare(const Mesh& mesh, std::span<const Material> materials, const PrepareOptions& options = {});
+
+}  // namespace promenade

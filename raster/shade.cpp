@@ -1,0 +1,77 @@
+#include "raster/shade.h"
+
+#include <array>
+#include <bit>
+#include <glm/geometric.hpp>
+
+#include "raster/visibility_state.h"
+
+namespace promenade {
+
+namespace {
+
+using raster_kernel::kSubpixel;
+using raster_kernel::Shading;
+
+const std::array<float, 256>& linear_table() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> t{};
+    for (uint32_t i = 0; i < 256; ++i) t[i] = srgb_to_linear(static_cast<uint8_t>(i));
+    return t;
+  }();
+  return table;
+}
+
+void put(const glm::vec3& v, float* out) {
+  for (int i = 0; i < 3; ++i) out[i] = v[i];
+}
+
+void put_linear(const glm::u8vec4& color, float* out) {
+  for (int i = 0; i < 3; ++i) out[i] = linear_table()[color[i]];
+}
+
+/// View rotation, eye and rays, as kernels want them.
+void set_view(const RasterView& view, Shading& s) {
+  const double scale = view.scale_px * kSubpixel;
+  put(glm::vec3(view.right * scale), s.rows[0]);
+  put(glm::vec3(-view.up * scale), s.rows[1]);
+  put(glm::vec3(view.forward), s.rows[2]);
+  put(glm::vec3(view.forward), s.ray_axis);
+  put(view.orthographic ? glm::vec3(0) : glm::vec3(view.right / scale), s.ray_x);
+  put(view.orthographic ? glm::vec3(0) : glm::vec3(-view.up / scale), s.ray_y);
+  for (int i = 0; i < 3; ++i) {
+    s.eye_hi[i] = static_cast<float>(view.eye[i]);
+    s.eye_lo[i] = static_cast<float>(view.eye[i] - double(s.eye_hi[i]));
+  }
+}
+
+void set_light(const ShadeOptions& o, Shading& s) {
+  const float length = glm::length(o.to_sun);
+  put(length > 0 ? o.to_sun / length : glm::vec3(0), s.to_sun);
+  put(o.sun, s.sun), put(o.sky_ambient, s.sky), put(o.ground_ambient, s.ground);
+  put_linear(o.zenith, s.zenith), put_linear(o.horizon, s.horizon), put_linear(o.below, s.below);
+  s.plain = std::bit_cast<uint32_t>(o.plain);
+  s.has_sky = o.sky;
+  s.has_textures = o.textures;
+}
+
+}  // namespace
+
+void shade(const VisibilityBuffer& buffer, const ShadeOptions& options, Image& out) {
+  const VisibilityBuffer::State& state = buffer.state();
+  out.width = buffer.width_px(), out.height = buffer.height_px();
+  out.pixels.resize(size_t(out.width) * out.height);
+  Shading s = {};
+  s.items = state.items.data();
+  s.item_of_run = state.item_of_run.data();
+  s.run_bits = kIdRunBits;
+  s.linear_of_srgb = linear_table().data();
+  set_view(state.view, s);
+  set_light(options, s);
+  s.out = reinterpret_cast<uint32_t*>(out.pixels.data());
+  const raster_kernel::Kernels& kernels = kernels_of(options.simd);
+  run_parallel(options.threads, static_cast<size_t>(state.frame.tiles_y),
+               [&](size_t row) { kernels.shade(state.frame, s, static_cast<int32_t>(row)); });
+}
+
+}  // namespace promenade

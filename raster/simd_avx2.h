@@ -1,0 +1,99 @@
+#pragma once
+// Eight lanes of AVX2; see simd_portable.h. Include only from a file compiled for AVX2.
+
+#include <immintrin.h>
+
+#include <cstdint>
+
+#define PROMENADE_INLINE [[gnu::always_inline]] inline
+
+namespace promenade::simd_avx2 {
+
+constexpr int kLanes = 8;
+struct F {
+  __m256 v;
+};
+struct I {
+  __m256i v;
+};
+struct M {
+  __m256i v;
+};
+
+PROMENADE_INLINE F splat(float a) { return {_mm256_set1_ps(a)}; }
+PROMENADE_INLINE I splat(int32_t a) { return {_mm256_set1_epi32(a)}; }
+PROMENADE_INLINE F load(const float* p) { return {_mm256_loadu_ps(p)}; }
+PROMENADE_INLINE I load(const int32_t* p) { return {_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p))}; }
+PROMENADE_INLINE I load(const uint8_t* p) {
+  return {_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)))};
+}
+PROMENADE_INLINE void store(float* p, F a) { _mm256_storeu_ps(p, a.v); }
+PROMENADE_INLINE void store(int32_t* p, I a) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), a.v); }
+
+PROMENADE_INLINE F operator+(F a, F b) { return {_mm256_add_ps(a.v, b.v)}; }
+PROMENADE_INLINE F operator-(F a, F b) { return {_mm256_sub_ps(a.v, b.v)}; }
+PROMENADE_INLINE F operator*(F a, F b) { return {_mm256_mul_ps(a.v, b.v)}; }
+PROMENADE_INLINE F operator/(F a, F b) { return {_mm256_div_ps(a.v, b.v)}; }
+PROMENADE_INLINE I operator+(I a, I b) { return {_mm256_add_epi32(a.v, b.v)}; }
+PROMENADE_INLINE I operator-(I a, I b) { return {_mm256_sub_epi32(a.v, b.v)}; }
+PROMENADE_INLINE I operator*(I a, I b) { return {_mm256_mullo_epi32(a.v, b.v)}; }
+PROMENADE_INLINE I operator&(I a, I b) { return {_mm256_and_si256(a.v, b.v)}; }
+PROMENADE_INLINE I operator|(I a, I b) { return {_mm256_or_si256(a.v, b.v)}; }
+PROMENADE_INLINE M operator&(M a, M b) { return {_mm256_and_si256(a.v, b.v)}; }
+PROMENADE_INLINE M operator|(M a, M b) { return {_mm256_or_si256(a.v, b.v)}; }
+template <int Bits>
+PROMENADE_INLINE I shift_right(I a) {
+  return {_mm256_srai_epi32(a.v, Bits)};
+}
+template <int Bits>
+PROMENADE_INLINE I shift_left(I a) {
+  return {_mm256_slli_epi32(a.v, Bits)};
+}
+
+PROMENADE_INLINE M operator<(F a, F b) { return {_mm256_castps_si256(_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ))}; }
+PROMENADE_INLINE M operator<=(F a, F b) { return {_mm256_castps_si256(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ))}; }
+PROMENADE_INLINE M operator>(F a, F b) { return {_mm256_castps_si256(_mm256_cmp_ps(a.v, b.v, _CMP_GT_OQ))}; }
+PROMENADE_INLINE M operator>=(F a, F b) { return {_mm256_castps_si256(_mm256_cmp_ps(a.v, b.v, _CMP_GE_OQ))}; }
+PROMENADE_INLINE M operator<(I a, I b) { return {_mm256_cmpgt_epi32(b.v, a.v)}; }
+PROMENADE_INLINE M operator>(I a, I b) { return {_mm256_cmpgt_epi32(a.v, b.v)}; }
+PROMENADE_INLINE M equal(I a, I b) { return {_mm256_cmpeq_epi32(a.v, b.v)}; }
+PROMENADE_INLINE M less_unsigned(I a, I b) {
+  const __m256i flip = _mm256_set1_epi32(INT32_MIN);
+  return {_mm256_cmpgt_epi32(_mm256_xor_si256(b.v, flip), _mm256_xor_si256(a.v, flip))};
+}
+
+PROMENADE_INLINE F select(M m, F a, F b) { return {_mm256_blendv_ps(b.v, a.v, _mm256_castsi256_ps(m.v))}; }
+PROMENADE_INLINE I select(M m, I a, I b) { return {_mm256_blendv_epi8(b.v, a.v, m.v)}; }
+PROMENADE_INLINE F min(F a, F b) { return {_mm256_min_ps(a.v, b.v)}; }
+PROMENADE_INLINE F max(F a, F b) { return {_mm256_max_ps(a.v, b.v)}; }
+PROMENADE_INLINE I min(I a, I b) { return {_mm256_min_epi32(a.v, b.v)}; }
+PROMENADE_INLINE I max(I a, I b) { return {_mm256_max_epi32(a.v, b.v)}; }
+PROMENADE_INLINE F abs(F a) { return {_mm256_and_ps(a.v, _mm256_castsi256_ps(_mm256_set1_epi32(INT32_MAX)))}; }
+PROMENADE_INLINE I abs(I a) { return {_mm256_abs_epi32(a.v)}; }
+
+PROMENADE_INLINE uint32_t bits(M m) { return static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(m.v))); }
+PROMENADE_INLINE M mask_of(uint32_t b) {
+  const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+  return {_mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(static_cast<int>(b)), bit), bit)};
+}
+
+PROMENADE_INLINE F to_float(I a) { return {_mm256_cvtepi32_ps(a.v)}; }
+PROMENADE_INLINE I round_to_int(F a) { return {_mm256_cvtps_epi32(a.v)}; }
+PROMENADE_INLINE I as_int(F a) { return {_mm256_castps_si256(a.v)}; }
+PROMENADE_INLINE F as_float(I a) { return {_mm256_castsi256_ps(a.v)}; }
+
+PROMENADE_INLINE F sqrt(F a) { return {_mm256_sqrt_ps(a.v)}; }
+PROMENADE_INLINE F floor(F a) { return {_mm256_floor_ps(a.v)}; }
+PROMENADE_INLINE I truncate(F a) { return {_mm256_cvttps_epi32(a.v)}; }
+PROMENADE_INLINE I shift_right_by(I a, I by) { return {_mm256_srav_epi32(a.v, by.v)}; }
+
+struct Table64 {
+  const float* p;
+  explicit Table64(const float* table) : p(table) {}
+  PROMENADE_INLINE F operator[](I i) const { return {_mm256_i32gather_ps(p, i.v, 4)}; }
+};
+
+PROMENADE_INLINE I gather(const int32_t* p, I i) { return {_mm256_i32gather_epi32(p, i.v, 4)}; }
+PROMENADE_INLINE F gather(const float* p, I i) { return {_mm256_i32gather_ps(p, i.v, 4)}; }
+
+}  // namespace promenade::simd_avx2

@@ -1,0 +1,98 @@
+#pragma once
+// Sixteen lanes of AVX-512 (F, BW, DQ, VL, CD); see simd_portable.h. Include only from a file compiled for it.
+
+#include <immintrin.h>
+
+#include <cstdint>
+
+#define PROMENADE_INLINE [[gnu::always_inline]] inline
+
+namespace promenade::simd_avx512 {
+
+constexpr int kLanes = 16;
+struct F {
+  __m512 v;
+};
+struct I {
+  __m512i v;
+};
+struct M {
+  __mmask16 v;
+};
+
+PROMENADE_INLINE F splat(float a) { return {_mm512_set1_ps(a)}; }
+PROMENADE_INLINE I splat(int32_t a) { return {_mm512_set1_epi32(a)}; }
+PROMENADE_INLINE F load(const float* p) { return {_mm512_loadu_ps(p)}; }
+PROMENADE_INLINE I load(const int32_t* p) { return {_mm512_loadu_si512(p)}; }
+PROMENADE_INLINE I load(const uint8_t* p) {
+  return {_mm512_cvtepu8_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)))};
+}
+PROMENADE_INLINE void store(float* p, F a) { _mm512_storeu_ps(p, a.v); }
+PROMENADE_INLINE void store(int32_t* p, I a) { _mm512_storeu_si512(p, a.v); }
+
+PROMENADE_INLINE F operator+(F a, F b) { return {_mm512_add_ps(a.v, b.v)}; }
+PROMENADE_INLINE F operator-(F a, F b) { return {_mm512_sub_ps(a.v, b.v)}; }
+PROMENADE_INLINE F operator*(F a, F b) { return {_mm512_mul_ps(a.v, b.v)}; }
+PROMENADE_INLINE F operator/(F a, F b) { return {_mm512_div_ps(a.v, b.v)}; }
+PROMENADE_INLINE I operator+(I a, I b) { return {_mm512_add_epi32(a.v, b.v)}; }
+PROMENADE_INLINE I operator-(I a, I b) { return {_mm512_sub_epi32(a.v, b.v)}; }
+PROMENADE_INLINE I operator*(I a, I b) { return {_mm512_mullo_epi32(a.v, b.v)}; }
+PROMENADE_INLINE I operator&(I a, I b) { return {_mm512_and_si512(a.v, b.v)}; }
+PROMENADE_INLINE I operator|(I a, I b) { return {_mm512_or_si512(a.v, b.v)}; }
+PROMENADE_INLINE M operator&(M a, M b) { return {static_cast<__mmask16>(a.v & b.v)}; }
+PROMENADE_INLINE M operator|(M a, M b) { return {static_cast<__mmask16>(a.v | b.v)}; }
+template <int Bits>
+PROMENADE_INLINE I shift_right(I a) {
+  return {_mm512_srai_epi32(a.v, Bits)};
+}
+template <int Bits>
+PROMENADE_INLINE I shift_left(I a) {
+  return {_mm512_slli_epi32(a.v, Bits)};
+}
+
+PROMENADE_INLINE M operator<(F a, F b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ)}; }
+PROMENADE_INLINE M operator<=(F a, F b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ)}; }
+PROMENADE_INLINE M operator>(F a, F b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_GT_OQ)}; }
+PROMENADE_INLINE M operator>=(F a, F b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_GE_OQ)}; }
+PROMENADE_INLINE M operator<(I a, I b) { return {_mm512_cmplt_epi32_mask(a.v, b.v)}; }
+PROMENADE_INLINE M operator>(I a, I b) { return {_mm512_cmpgt_epi32_mask(a.v, b.v)}; }
+PROMENADE_INLINE M equal(I a, I b) { return {_mm512_cmpeq_epi32_mask(a.v, b.v)}; }
+PROMENADE_INLINE M less_unsigned(I a, I b) { return {_mm512_cmplt_epu32_mask(a.v, b.v)}; }
+
+PROMENADE_INLINE F select(M m, F a, F b) { return {_mm512_mask_blend_ps(m.v, b.v, a.v)}; }
+PROMENADE_INLINE I select(M m, I a, I b) { return {_mm512_mask_blend_epi32(m.v, b.v, a.v)}; }
+PROMENADE_INLINE F min(F a, F b) { return {_mm512_min_ps(a.v, b.v)}; }
+PROMENADE_INLINE F max(F a, F b) { return {_mm512_max_ps(a.v, b.v)}; }
+PROMENADE_INLINE I min(I a, I b) { return {_mm512_min_epi32(a.v, b.v)}; }
+PROMENADE_INLINE I max(I a, I b) { return {_mm512_max_epi32(a.v, b.v)}; }
+PROMENADE_INLINE F abs(F a) { return {_mm512_abs_ps(a.v)}; }
+PROMENADE_INLINE I abs(I a) { return {_mm512_abs_epi32(a.v)}; }
+
+PROMENADE_INLINE uint32_t bits(M m) { return m.v; }
+PROMENADE_INLINE M mask_of(uint32_t b) { return {static_cast<__mmask16>(b)}; }
+
+PROMENADE_INLINE F to_float(I a) { return {_mm512_cvtepi32_ps(a.v)}; }
+PROMENADE_INLINE I round_to_int(F a) { return {_mm512_cvtps_epi32(a.v)}; }
+PROMENADE_INLINE I as_int(F a) { return {_mm512_castps_si512(a.v)}; }
+PROMENADE_INLINE F as_float(I a) { return {_mm512_castsi512_ps(a.v)}; }
+
+PROMENADE_INLINE F sqrt(F a) { return {_mm512_sqrt_ps(a.v)}; }
+PROMENADE_INLINE F floor(F a) { return {_mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)}; }
+PROMENADE_INLINE I truncate(F a) { return {_mm512_cvttps_epi32(a.v)}; }
+PROMENADE_INLINE I shift_right_by(I a, I by) { return {_mm512_srav_epi32(a.v, by.v)}; }
+
+/// Held in four registers: two permutes and a blend, where a gather would cost ten times as much.
+struct Table64 {
+  __m512 a, b, c, d;
+  explicit Table64(const float* p)
+      : a(_mm512_loadu_ps(p)), b(_mm512_loadu_ps(p + 16)), c(_mm512_loadu_ps(p + 32)), d(_mm512_loadu_ps(p + 48)) {}
+  PROMENADE_INLINE F operator[](I i) const {
+    const __mmask16 upper = _mm512_test_epi32_mask(i.v, _mm512_set1_epi32(32));
+    return {_mm512_mask_blend_ps(upper, _mm512_permutex2var_ps(a, i.v, b), _mm512_permutex2var_ps(c, i.v, d))};
+  }
+};
+
+PROMENADE_INLINE I gather(const int32_t* p, I i) { return {_mm512_i32gather_epi32(i.v, p, 4)}; }
+PROMENADE_INLINE F gather(const float* p, I i) { return {_mm512_i32gather_ps(i.v, p, 4)}; }
+
+}  // namespace promenade::simd_avx512

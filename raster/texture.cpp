@@ -1,0 +1,123 @@
+#include "raster/texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace promenade {
+
+namespace {
+
+using raster_kernel::kMaxMipLevels;
+constexpr uint32_t kMaxTextureSide = 32768;  // its levels fit kMaxMipLevels
+
+/// A texel on its way to the coarser levels: linear colour and opacity.
+struct Texel {
+  std::array<float, 3> color;
+  float opacity;
+};
+
+const std::array<float, 256>& linear_table() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> t{};
+    for (uint32_t i = 0; i < 256; ++i) t[i] = srgb_to_linear(static_cast<uint8_t>(i));
+    return t;
+  }();
+  return table;
+}
+
+/// Level 0's texels come from bytes: their roots by table.
+const std::array<uint32_t, 256>& root_table() {
+  static const std::array<uint32_t, 256> table = [] {
+    std::array<uint32_t, 256> t{};
+    for (uint32_t i = 0; i < 256; ++i) t[i] = static_cast<uint32_t>(std::sqrt(linear_table()[i]) * 1023.0F + 0.5F);
+    return t;
+  }();
+  return table;
+}
+
+uint32_t root(float linear) { return static_cast<uint32_t>(std::sqrt(std::min(linear, 1.0F)) * 1023.0F + 0.5F); }
+
+/// The mean of four texels: colours by their opacity, so that what is not there does not bleed.
+Texel mean(const std::array<const Texel*, 4>& texels) {
+  Texel out = {};
+  float weight = 0;
+  for (const Texel* t : texels) {
+    const float w = t->opacity + 1.0F / 4096;  // never 0: a clear texel among clear ones keeps its colour
+    weight += w, out.opacity += t->opacity * 0.25F;
+    for (size_t c = 0; c < 3; ++c) out.color[c] += t->color[c] * w;
+  }
+  for (float& c : out.color) c /= weight;
+  return out;
+}
+
+std::vector<Texel> halved(const std::vector<Texel>& from, uint32_t width, uint32_t height) {
+  const uint32_t w = std::max(1U, width / 2), h = std::max(1U, height / 2);
+  std::vector<Texel> to(size_t(w) * h);
+  for (uint32_t y = 0; y < h; ++y) {
+    const Texel* a = &from[size_t(std::min(2 * y, height - 1)) * width];
+    const Texel* b = &from[size_t(std::min(2 * y + 1, height - 1)) * width];
+    for (uint32_t x = 0; x < w; ++x) {
+      const uint32_t l = std::min(2 * x, width - 1), r = std::min(2 * x + 1, width - 1);
+      to[size_t(y) * w + x] = mean({a + l, a + r, b + l, b + r});
+    }
+  }
+  return to;
+}
+
+}  // namespace
+
+Result<MipTexture> MipTexture::make(const Image& image) {
+  if (image.width == 0 || image.height == 0 || image.width > kMaxTextureSide || image.height > kMaxTextureSide)
+    return Error{"texture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                 " pixels: sides must be 1 to " + std::to_string(kMaxTextureSide)};
+  if (image.pixels.size() != size_t(image.width) * image.height)
+    return Error{"texture of " + std::to_string(image.width) + " x " + std::to_string(image.height) + " has " +
+                 std::to_string(image.pixels.size()) + " pixels"};
+  MipTexture t;
+  t.view_.width = image.width, t.view_.height = image.height;
+  size_t total = 0;
+  for (uint32_t w = image.width, h = image.height; t.view_.levels < kMaxMipLevels; w = std::max(1U, w / 2), h = std::max(1U, h / 2)) {
+    t.view_.level_offset[t.view_.levels++] = static_cast<uint32_t>(total);
+    total += size_t(w) * h;
+    if (w == 1 && h == 1) break;
+  }
+  const bool clear = std::any_of(image.pixels.begin(), image.pixels.end(), [](const glm::u8vec4& p) { return p.a != 255; });
+  t.texels_.resize(total);
+  if (clear) t.opacity_.resize(total);
+  std::vector<Texel> level(image.pixels.size());
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    const glm::u8vec4& p = image.pixels[i];
+    t.texels_[i] = static_cast<int32_t>(root_table()[p.r] | root_table()[p.g] << 10 | root_table()[p.b] << 20);
+    if (clear) t.opacity_[i] = p.a;
+    level[i] = {{linear_table()[p.r], linear_table()[p.g], linear_table()[p.b]}, static_cast<float>(p.a) / 255.0F};
+  }
+  for (uint32_t l = 1; l < t.view_.levels; ++l) {
+    level = halved(level, std::max(1U, image.width >> (l - 1)), std::max(1U, image.height >> (l - 1)));
+    for (size_t i = 0; i < level.size(); ++i) {
+      const std::array<float, 3>& c = level[i].color;
+      t.texels_[t.view_.level_offset[l] + i] = static_cast<int32_t>(root(c[0]) | root(c[1]) << 10 | root(c[2]) << 20);
+      if (clear) t.opacity_[t.view_.level_offset[l] + i] = static_cast<uint8_t>(level[i].opacity * 255.0F + 0.5F);
+    }
+  }
+  t.view_.texels = t.texels_.data();
+  t.view_.opacity = clear ? t.opacity_.data() : nullptr;
+  return t;
+}
+
+SurfaceTable::SurfaceTable(std::span<const Material> materials, std::span<const MipTexture* const> textures) {
+  surfaces_.reserve(materials.size());
+  for (const Material& m : materials) {
+    raster_kernel::Surface s = {};
+    const MipTexture* texture = m.texture < textures.size() ? textures[m.texture] : nullptr;
+    s.texture = texture == nullptr ? nullptr : &texture->view();
+    for (int c = 0; c < 3; ++c) s.color[c] = srgb_to_linear(m.color[c]);
+    s.color[3] = static_cast<float>(m.color.a) / 255.0F;
+    s.wrap_u = static_cast<uint8_t>(m.wrap_u), s.wrap_v = static_cast<uint8_t>(m.wrap_v);
+    s.alpha = static_cast<uint8_t>(m.alpha);
+    s.alpha_cutoff = static_cast<float>(m.alpha_cutoff) / 255.0F;
+    surfaces_.push_back(s);
+  }
+}
+
+}  // namespace promenade

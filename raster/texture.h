@@ -1,0 +1,45 @@
+#pragma once
+// Textures with their mip levels, ready for sampling.
+
+#include <span>
+#include <vector>
+
+#include "geometry/mesh.h"
+#include "geometry/result.h"
+#include "raster/kernel.h"
+
+namespace promenade {
+
+/// A picture with all its mip levels, in one array. Averaged in linear light, weighted by opacity. Constant once made; any thread may read it.
+class MipTexture {
+ public:
+  /// Refuses a picture without pixels, one whose array does not match its size, and sides over 32768.
+  static Result<MipTexture> make(const Image& image);
+
+  const raster_kernel::Texture& view() const { return view_; }
+  uint64_t byte_size() const { return texels_.size() * sizeof(int32_t) + opacity_.size(); }
+
+  MipTexture(MipTexture&&) noexcept = default;  // the view's pointer follows the array
+  MipTexture& operator=(MipTexture&&) noexcept = default;
+  MipTexture(const MipTexture&) = delete;
+  MipTexture& operator=(const MipTexture&) = delete;
+
+ private:
+  MipTexture() = default;
+  std::vector<int32_t> texels_;
+  std::vector<uint8_t> opacity_;  ///< empty: opaque
+  raster_kernel::Texture view_ = {};
+};
+
+/// The materials that meshes refer to, with their textures. The textures must outlive it.
+class SurfaceTable {
+ public:
+  /// textures[i] is the owner's texture i; null: missing, the material's plain colour is drawn.
+  SurfaceTable(std::span<const Material> materials, std::span<const MipTexture* const> textures);
+  std::span<const raster_kernel::Surface> surfaces() const { return surfaces_; }
+
+ private:
+  std::vector<raster_kernel::Surface> surfaces_;
+};
+
+}  // namespace promenade
