@@ -111,7 +111,7 @@ PROMENADE_INLINE void light_corners(const Shading& s, TileTriangles& t, int32_t 
   for (int c = 0; c < 3; ++c) {
     const F a = load(t.p[0][c] + first);
     e1[c] = load(t.p[1][c] + first) - a, e2[c] = load(t.p[2][c] + first) - a;
-    to_eye[c] = (splat(s.eye_hi[c]) - a) + splat(s.eye_lo[c]);
+    to_eye[c] = s.orthographic ? splat(-s.rows[2][c]) : (splat(s.eye_hi[c]) - a) + splat(s.eye_lo[c]);
   }
   for (int c = 0; c < 3; ++c) {
     const int i = (c + 1) % 3, j = (c + 2) % 3;
