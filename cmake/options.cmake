@@ -2,7 +2,7 @@
 add_library(promenade_options INTERFACE)
 target_include_directories(promenade_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_definitions(promenade_options INTERFACE
-  GLM_FORCE_SILENT_WARNINGS GLM_ENABLE_EXPERIMENTAL)
+  PROMENADE_VERSION="${PROJECT_VERSION}" GLM_FORCE_SILENT_WARNINGS GLM_ENABLE_EXPERIMENTAL)
 target_compile_options(promenade_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual
   -Wnull-dereference -Werror

@@ -29,17 +29,25 @@ struct EncodedMesh {
   std::vector<std::byte> bytes;
   /// The farthest that a coded position lies from the given one, in metres: to be added to the node's error.
   float position_error_m = 0;
+  /// What decode_mesh will return; at most what was given.
+  uint32_t vertices = 0;
+  uint32_t triangles = 0;
 };
 
-/// Encodes a sound mesh (find_defect empty). Triangles keep their materials; their order, their vertices' order and
-/// which corner comes first may change (never the winding). Normals to about 0.1 degrees, texture coordinates to 1/4096
-/// of a texel of a 16-bit range or better. The same mesh and options give the same bytes. Errors: a mesh too large for
-/// the step (more than 2^21 steps across for quantised codecs: the step is then refused, not silently changed). Pure;
-/// any thread.
+/// Encodes a sound mesh (find_defect empty). The same mesh and options give the same bytes. Pure; any thread.
+/// raw: floats as they are (positions rounded to the grid where asked); nothing moves.
+/// meshopt and draco: triangles are sorted by material, the order of triangles and vertices and which corner comes
+/// first change (never the winding); triangles that rounding collapses (two corners at one place), doubles of vertices
+/// and unused ones go. Normals to 0.06 degrees. Texture coordinates to half of 2^-15 (1/16 texel of a picture 4096
+/// wide); coarser only where they span more than 2^28 such steps (meshopt) or 2^21 (draco: more than 64 repeats).
+/// Colours and materials exactly.
+/// Errors: the mesh has a defect; a step that is no power of two or outside [2^-60, 2^60]; a mesh of more than 2^21
+/// steps across for meshopt and draco (refused, not silently coarser).
 Result<EncodedMesh> encode_mesh(const Mesh& mesh, const GeometryEncodeOptions& options);
 
 /// Decodes what encode_mesh wrote. Safe on any bytes: a wrong or truncated input is an error, never a crash, and never
-/// allocates more than `max_bytes`. A decoded mesh is sound (find_defect empty). Pure; any thread.
+/// allocates more than `max_bytes` (draco: a small multiple of it while decoding). A decoded mesh is sound (find_defect
+/// empty). Pure; any thread.
 Result<Mesh> decode_mesh(std::span<const std::byte> bytes, uint64_t max_bytes = uint64_t(1) << 30);
 
 }  // namespace promenade

@@ -28,8 +28,8 @@ struct ImageSize {
 };
 Result<ImageSize> image_size(std::span<const std::byte> bytes, const std::string& name);
 
-/// Resampled to the given size with a box or Lanczos filter in linear light, opacity weighted; wraps around where
-/// asked.
+/// Resampled to the given size in linear light, weighted by opacity: the mean over each new pixel's area along an axis
+/// that shrinks, linear between pixel centres along one that grows. Pixels at the border repeat outwards.
 Image resized(const Image& image, uint32_t width, uint32_t height);
 
 /// One float or uint32 value a pixel, row 0 at the top, as TIFF or EXR by the ending of `name` (.tif, .tiff, .exr).

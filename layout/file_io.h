@@ -15,8 +15,8 @@
 
 namespace promenade {
 
-/// The calls to the operating system that may fail, so that tests can make them fail (disk full, read errors).
-/// Thread-safe.
+/// The calls to the operating system that may fail, so that tests can make them fail (disk full, read errors): see
+/// file_system.h. Thread-safe.
 class FileSystem;
 /// The real one; process-wide.
 FileSystem& real_file_system();
@@ -36,6 +36,8 @@ class AtomicFile {
   /// Overwrites bytes that were written already (a header whose counts are known last).
   Status write_at(uint64_t offset, std::span<const std::byte> bytes);
   uint64_t size() const;
+  /// Once. On an error nothing new bears the final name, and what bore it is as it was; except when only the last sync,
+  /// of the folder, fails: then the whole new file is there and a power cut may still undo its name.
   Status commit();
 
  private:
@@ -73,7 +75,8 @@ class RandomAccessFile {
 };
 
 /// An exclusive advisory lock (flock) on a file that is made if need be: two builds into one model at once. Released on
-/// destruction.
+/// destruction; the file goes too if it is empty. Also released when the process dies, whatever kills it (an empty file
+/// may stay then, which hinders nobody).
 class FileLock {
  public:
   /// Error when somebody else holds it: `what` says what is being protected ("model city.prom").

@@ -9,6 +9,7 @@
 #include "codec/geometry_codec.h"
 #include "geometry/job_monitor.h"
 #include "geometry/result.h"
+#include "layout/file_io.h"
 #include "preprocess/import.h"
 
 namespace promenade {
@@ -21,6 +22,7 @@ struct BuildOptions {
   uint32_t jobs = 0;                          ///< threads; 0: as many as cores
   uint32_t node_triangles = 2000;  ///< most triangles of a node; 100 to 60000. More: fewer draws, coarser culling
   uint32_t level_factor = 4;       ///< children per node and triangles' ratio between levels; 2 to 16 [lakhia2004: 4]
+  uint32_t chunk_triangles = 0;    ///< about the most triangles of a work unit, 1000 or more; 0: what memory allows
   GeometryCodec geometry_codec = GeometryCodec::meshopt;
   uint32_t max_texture_px = 2048;  ///< longest side of a stored texture; 64 to 16384
   int jpeg_quality = 85;
@@ -42,6 +44,7 @@ struct BuildFigures {
 /// Runs the whole build. Interrupted or killed: nothing under the model's name; the work done so far stays in
 /// MODEL.work and is taken up again by the same command, with the same bytes in the end. Another build into the same
 /// model at once is refused.
-Result<BuildFigures> build_model(const BuildOptions& options, JobMonitor& monitor);
+Result<BuildFigures> build_model(const BuildOptions& options, JobMonitor& monitor,
+                                 FileSystem& files = real_file_system());
 
 }  // namespace promenade

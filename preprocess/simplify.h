@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/mesh.h"
+#include "preprocess/surface_distance.h"
 
 namespace promenade {
 
@@ -20,16 +21,5 @@ struct SimplifyOptions {
 /// removing whole small parts and by clustering if need be. Normals, colours, texture coordinates and materials of what
 /// remains are taken from the given mesh. Deterministic. Pure; any thread.
 Mesh simplify(const Mesh& mesh, const SimplifyOptions& options);
-
-/// How far two surfaces are apart, measured.
-struct SurfaceDistance {
-  float bound_m = 0;  ///< upper bound of the two-sided Hausdorff distance, rounding included
-  float p99_m = 0;    ///< 99th percentile of area-weighted samples of both directions; <= bound_m
-};
-
-/// Upper bound (within `slack` of the exact value, or of tolerance_m absolutely, whichever is larger) of the two-sided
-/// Hausdorff distance between two meshes: vertices queried, then triangles subdivided until convexity bounds them. Both
-/// must have triangles. Deterministic. Pure; any thread.
-SurfaceDistance surface_distance(const Mesh& a, const Mesh& b, double slack = 0.25, double tolerance_m = 0);
 
 }  // namespace promenade

@@ -1,0 +1,150 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "cli/command.h"
+#include "cli/console.h"
+#include "cli/flight_figures.h"
+#include "cli/picture.h"
+#include "cli/view_options.h"
+#include "codec/image_codec.h"
+#include "layout/model_io.h"
+
+namespace promenade {
+namespace {
+
+struct FlyArguments {
+  std::filesystem::path model, path_file, frames_folder, report_file;
+  uint32_t frames_every = 1;
+  double seconds = 0;
+  bool real_time = false;
+  ViewOptions view;
+};
+
+constexpr uint32_t kReportPictures = 9;
+constexpr uint32_t kReportPictureWidth = 480;
+
+FlightOptions flight_options(const FlyArguments& arguments) {
+  FlightOptions options;
+  options.session = arguments.view.session;
+  options.session.background = background_of(arguments.view);
+  options.width_px = arguments.view.size.width;
+  options.height_px = arguments.view.size.height;
+  options.vertical_fov_deg = arguments.view.vertical_fov_deg;
+  options.near_m = arguments.view.near_m;
+  options.pacing = arguments.real_time ? Pacing::real_time : Pacing::every_frame;
+  return options;
+}
+
+/// Only the first seconds of a path; 0: all of it.
+CameraPath cut_short(CameraPath path, double seconds) {
+  if (seconds <= 0 || seconds >= path.duration_s()) return path;
+  const double end = path.keys.front().t_s + seconds;
+  const Pose last = pose_at(path, end);
+  std::erase_if(path.keys, [end](const CameraPath::Key& key) { return key.t_s >= end; });
+  path.keys.push_back({end, last});
+  return path;
+}
+
+/// Saves the frames that are asked for, and keeps small pictures for the report.
+class PictureTaker {
+ public:
+  PictureTaker(const FlyArguments& arguments, const CameraPath& path, FlightPage& page)
+      : arguments_(arguments), page_(page), frame_count_(path.frame_count()) {}
+
+  Status operator()(const FrameRow& row, Renderer& renderer) {
+    const bool save = !arguments_.frames_folder.empty() && row.frame % arguments_.frames_every == 0;
+    const uint32_t stride = std::max(1U, frame_count_ / kReportPictures);
+    const bool keep =
+        !arguments_.report_file.empty() && row.frame % stride == stride / 2 && page_.pictures.size() < kReportPictures;
+    if (!save && !keep) return Done{};
+    const Result<Frame> frame =
+        read_frame(renderer, arguments_.view.size.width, arguments_.view.size.height, Aov::color);
+    if (!frame) return frame.error();
+    if (save)
+      PROMENADE_TRY(
+          write_frame(*frame, Aov::color, numbered(arguments_.frames_folder / "frame.png", row.frame, frame_count_)));
+    if (!keep) return Done{};
+    const uint32_t height = std::max(1U, kReportPictureWidth * frame->height_px / frame->width_px);
+    Result<std::vector<std::byte>> jpeg =
+        encode_image(resized(frame->color, kReportPictureWidth, height), ImageFormat::jpeg, 85);
+    if (!jpeg) return jpeg.error();
+    page_.pictures.push_back({row.frame, std::move(*jpeg)});
+    return Done{};
+  }
+
+ private:
+  const FlyArguments& arguments_;
+  FlightPage& page_;
+  uint32_t frame_count_;
+};
+
+void print_totals(const FlyArguments& arguments, const FlightTotals& t) {
+  fmt::print("{} frames: {:.1f} ms median, {:.1f} ms p99, {:.2f} ms deviation\n", t.frames, t.frame_ms_p50,
+             t.frame_ms_p99, t.frame_ms_stddev);
+  fmt::print("  {:.0f} triangles and {:.1f} nodes a frame, {:.3f} missing, {:.4f} toggles a frame\n",
+             t.triangles_drawn_mean, t.nodes_drawn_mean, t.nodes_missing_mean, t.toggles_per_frame);
+  fmt::print("  {} of {} resident at most, {} read in {} reads\n", human_bytes(t.resident_bytes_peak),
+             human_bytes(t.memory_bytes), human_bytes(t.bytes_read), t.reads);
+  if (!arguments.report_file.empty()) fmt::print("  report: {}\n", arguments.report_file.string());
+  if (!arguments.frames_folder.empty()) fmt::print("  pictures: {}\n", arguments.frames_folder.string());
+}
+
+Status run_fly(const FlyArguments& arguments, JobMonitor& monitor, Json& figures) {
+  const Result<CameraPath> whole_path = read_path(arguments.path_file);
+  if (!whole_path) return whole_path.error();
+  const CameraPath path = cut_short(*whole_path, arguments.seconds);
+  const Result<ModelReader> reader = ModelReader::open(arguments.model);
+  if (!reader) return reader.error();
+  const std::unique_ptr<ModelSource> source = source_of(*reader);
+  const Result<OffscreenRenderer> offscreen = make_offscreen_renderer(arguments.view);
+  if (!offscreen) return offscreen.error();
+  if (!arguments.frames_folder.empty()) PROMENADE_TRY(make_folder(arguments.frames_folder));
+  const SelectOptions& select = arguments.view.session.select;
+  FlightPage page{arguments.model.filename().string(),
+                  arguments.path_file.filename().string(),
+                  std::string(name_of(select.policy)),
+                  offscreen->context->description(),
+                  select.time.target_ms,
+                  arguments.view.session.loader.memory_bytes,
+                  {}};
+  PictureTaker pictures(arguments, path, page);
+  const auto on_frame = [&](const FrameRow& row, Renderer& renderer) { return pictures(row, renderer); };
+  const Result<FlightReport> report =
+      fly(*source, *offscreen->renderer, path, flight_options(arguments), on_frame, monitor);
+  if (!report) return report.error();
+  figures = json_of(*report);
+  figures["policy"] = page.policy;
+  figures["renderer"] = page.renderer;
+  figures["target_ms"] = page.target_ms;
+  if (!arguments.report_file.empty())
+    PROMENADE_TRY(write_file(arguments.report_file, std::string_view(html_of(*report, page))));
+  print_totals(arguments, report->totals);
+  return Done{};
+}
+
+}  // namespace
+
+Command add_fly(CLI::App& program) {
+  auto arguments = std::make_shared<FlyArguments>();
+  CLI::App* app =
+      program.add_subcommand("fly", "Fly a recorded path through a model offscreen, with figures for every frame");
+  app->add_option("MODEL", arguments->model, "A directory that build made")->required();
+  app->add_option("--path", arguments->path_file, "The recorded path")->required()->type_name("FILE");
+  app->add_option("--frames", arguments->frames_folder, "Save the frames as pictures in DIR")->type_name("DIR");
+  app->add_option("--frames-every", arguments->frames_every, "Save only every so many frames")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--report", arguments->report_file, "Write a page with pictures and plots")->type_name("FILE.html");
+  app->add_option("--seconds", arguments->seconds, "Fly only the first seconds of the path (0: all)")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app->add_flag("--real-time", arguments->real_time,
+                "Move by the clock and drop late frames, instead of drawing every frame of the path");
+  add_camera_options(*app, arguments->view);
+  add_policy_options(*app, arguments->view, Policy::time_slices, uint64_t(256) << 20);
+  add_offscreen_option(*app, arguments->view);
+  return {app, {}, [arguments](JobMonitor& monitor, Json& figures) { return run_fly(*arguments, monitor, figures); }};
+}
+
+}  // namespace promenade

@@ -1,0 +1,186 @@
+#include "cli/flight_figures.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+
+#include "cli/console.h"
+#include "cli/plot.h"
+
+namespace promenade {
+namespace {
+
+constexpr size_t kLakhiaWindow = 35;  // frames; Lakhia figures 6.4 and 6.6
+
+Json json_of_row(const FrameRow& row) {
+  return {{"frame", row.frame},
+          {"t_s", row.t_s},
+          {"frame_ms", row.frame_ms},
+          {"select_ms", row.select_ms},
+          {"upload_ms", row.upload_ms},
+          {"draw_ms", row.draw_ms},
+          {"response_ms", row.response_ms},
+          {"estimated_ms", row.estimated_ms},
+          {"estimated_without_feedback_ms", row.estimated_without_feedback_ms},
+          {"share_ms", row.share_ms},
+          {"triangles_drawn", row.triangles_drawn},
+          {"nodes_drawn", row.nodes_drawn},
+          {"nodes_missing", row.nodes_missing},
+          {"toggles", row.toggles},
+          {"toggles_up", row.toggles_up},
+          {"toggles_down", row.toggles_down},
+          {"resident_bytes", row.resident_bytes},
+          {"bytes_read", row.bytes_read},
+          {"nodes_by_level", row.nodes_by_level}};
+}
+
+using RowValue = std::function<double(const FrameRow&)>;
+
+std::vector<double> column(const FlightReport& report, const RowValue& value) {
+  std::vector<double> values;
+  values.reserve(report.rows.size());
+  for (const FrameRow& row : report.rows) values.push_back(value(row));
+  return values;
+}
+
+/// Estimated over actual frame time, in percent; negative: the estimate was longer than the frame (Lakhia's sign).
+double estimate_error_percent(double estimated_ms, double actual_ms) {
+  return actual_ms > 0 ? 100 * (actual_ms - estimated_ms) / actual_ms : 0;
+}
+
+std::vector<PlotSeries> nodes_by_level(const FlightReport& report) {
+  size_t levels = 0;
+  for (const FrameRow& row : report.rows) levels = std::max(levels, row.nodes_by_level.size());
+  std::vector<PlotSeries> series;
+  for (size_t level = 0; level < levels; ++level)
+    series.push_back({fmt::format("level {}", level), column(report, [level](const FrameRow& row) {
+                        return level < row.nodes_by_level.size() ? double(row.nodes_by_level[level]) : 0.0;
+                      })});
+  return series;
+}
+
+std::string plots(const FlightReport& report, const FlightPage& page) {
+  const auto mib = [](uint64_t bytes) { return double(bytes) / double(1 << 20); };
+  const auto with =
+      column(report, [](const FrameRow& r) { return estimate_error_percent(r.estimated_ms, r.frame_ms); });
+  const auto without = column(
+      report, [](const FrameRow& r) { return estimate_error_percent(r.estimated_without_feedback_ms, r.frame_ms); });
+  std::string svg;
+  svg += line_plot({{"whole frame", column(report, [](const FrameRow& r) { return r.frame_ms; })},
+                    {"select", column(report, [](const FrameRow& r) { return r.select_ms; })},
+                    {"upload", column(report, [](const FrameRow& r) { return r.upload_ms; })}},
+                   {.title = "Frame time", .y_label = "ms", .lines = {{"target", page.target_ms}}});
+  svg += line_plot({{"without feedback", moving_average(without, kLakhiaWindow)},
+                    {"with feedback", moving_average(with, kLakhiaWindow)}},
+                   {.title = "Actual against estimated frame time, moving average of 35 frames",
+                    .y_label = "%",
+                    .lines = {},
+                    .from_zero = false});
+  svg += line_plot({{"resident", column(report, [&](const FrameRow& r) { return mib(r.resident_bytes); })}},
+                   {.title = "Memory", .y_label = "MiB", .lines = {{"bound", mib(page.memory_bytes)}}});
+  svg += line_plot({{"triangles", column(report, [](const FrameRow& r) { return double(r.triangles_drawn); })}},
+                   {.title = "Triangles drawn", .y_label = "count", .lines = {}});
+  svg += line_plot(nodes_by_level(report),
+                   {.title = "Nodes drawn by level (0: the root)", .y_label = "count", .lines = {}});
+  svg += line_plot(
+      {{"toggles", moving_average(column(report, [](const FrameRow& r) { return double(r.toggles); }), kLakhiaWindow)}},
+      {.title = "Toggles between levels, moving average of 35 frames", .y_label = "a frame", .lines = {}});
+  svg += line_plot({{"missing", column(report, [](const FrameRow& r) { return double(r.nodes_missing); })}},
+                   {.title = "Nodes not resident when chosen (an ancestor stood in)", .y_label = "count", .lines = {}});
+  svg += line_plot({{"read", column(report, [&](const FrameRow& r) { return mib(r.bytes_read); })}},
+                   {.title = "Read from disk", .y_label = "MiB a frame", .lines = {}});
+  return svg;
+}
+
+std::string base64(const std::vector<std::byte>& bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve(bytes.size() * 4 / 3 + 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? std::to_integer<uint32_t>(bytes[i + k]) : 0);
+    for (size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string table_of(const FlightTotals& t) {
+  const std::pair<const char*, std::string> rows[] = {
+      {"frames", fmt::format("{}", t.frames)},
+      {"frame time, median", fmt::format("{:.1f} ms", t.frame_ms_p50)},
+      {"frame time, 99th percentile", fmt::format("{:.1f} ms", t.frame_ms_p99)},
+      {"frame time, standard deviation", fmt::format("{:.2f} ms", t.frame_ms_stddev)},
+      {"response time, 99th percentile", fmt::format("{:.1f} ms", t.response_ms_p99)},
+      {"triangles drawn, mean", human_count(static_cast<uint64_t>(t.triangles_drawn_mean))},
+      {"nodes drawn, mean", fmt::format("{:.1f}", t.nodes_drawn_mean)},
+      {"nodes missing, mean", fmt::format("{:.3f}", t.nodes_missing_mean)},
+      {"toggles a frame", fmt::format("{:.4f}", t.toggles_per_frame)},
+      {"read from disk", fmt::format("{} in {} reads", human_bytes(t.bytes_read), t.reads)},
+      {"resident, peak", fmt::format("{} of {}", human_bytes(t.resident_bytes_peak), human_bytes(t.memory_bytes))},
+      {"process memory, peak", human_bytes(t.peak_rss_bytes)},
+      {"stalls", fmt::format("{}", t.stalls)}};
+  std::string html = "<table>\n";
+  for (const auto& [name, value] : rows) html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, value);
+  return html + "</table>\n";
+}
+
+constexpr const char* kStyle = R"(<style>
+:root { color-scheme: light dark; --ink: #1d2430; --paper: #fbfaf7; --faint: #d9d6cf; --bound: #b3261e; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e8e6e1; --paper: #171a1f; --faint: #3a3f47; --bound: #ff8a80; } }
+body { font: 15px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 900px; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.5rem; margin-bottom: 0; } p { margin-top: .2rem; }
+table { border-collapse: collapse; } th { text-align: left; font-weight: normal; padding-right: 2rem; } td { text-align: right; font-variant-numeric: tabular-nums; }
+tr { border-bottom: 1px solid var(--faint); }
+.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(270px, 1fr)); gap: .6rem; margin: 1.2rem 0; }
+figure { margin: 0; } img { width: 100%; border-radius: 4px; } figcaption { font-size: 12px; }
+svg.plot { display: block; width: 100%; height: auto; margin: 1.2rem 0; font-size: 12px; }
+svg text { fill: var(--ink); } svg .title { font-weight: 600; font-size: 13px; } svg .grid { stroke: var(--faint); } svg .bound { stroke: var(--bound); stroke-dasharray: 5 4; }
+</style>
+)";
+
+}  // namespace
+
+Json json_of(const FlightReport& report) {
+  const FlightTotals& t = report.totals;
+  Json json = {{"frame_count", t.frames},
+               {"frame_ms_mean", t.frame_ms_mean},
+               {"frame_ms_p50", t.frame_ms_p50},
+               {"frame_ms_p99", t.frame_ms_p99},
+               {"frame_ms_stddev", t.frame_ms_stddev},
+               {"response_ms_p99", t.response_ms_p99},
+               {"triangles_drawn_mean", t.triangles_drawn_mean},
+               {"nodes_drawn_mean", t.nodes_drawn_mean},
+               {"nodes_missing_mean", t.nodes_missing_mean},
+               {"toggles_per_frame", t.toggles_per_frame},
+               {"cells_crossed", t.cells_crossed},
+               {"delta_bytes_mean", t.delta_bytes_mean},
+               {"bytes_read", t.bytes_read},
+               {"reads", t.reads},
+               {"bytes_read_useful", t.bytes_read_useful},
+               {"resident_bytes_peak", t.resident_bytes_peak},
+               {"peak_rss_bytes", t.peak_rss_bytes},
+               {"stalls", t.stalls},
+               {"memory_bytes", t.memory_bytes}};
+  json["frames"] = Json::array();
+  for (const FrameRow& row : report.rows) json["frames"].push_back(json_of_row(row));
+  return json;
+}
+
+std::string html_of(const FlightReport& report, const FlightPage& page) {
+  std::string html =
+      "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n";
+  html += fmt::format("<title>Flight through {}</title>\n{}", escaped(page.model), kStyle);
+  html += fmt::format("<h1>Flight through {}</h1>\n<p>{}, policy {}, {}</p>\n", escaped(page.model), escaped(page.path),
+                      escaped(page.policy), escaped(page.renderer));
+  html += table_of(report.totals) + "<div class=pictures>\n";
+  for (const FlightPage::Picture& picture : page.pictures)
+    html += fmt::format(
+        "<figure><img alt=\"frame {0}\" src=\"data:image/jpeg;base64,{1}\"><figcaption>frame "
+        "{0}</figcaption></figure>\n",
+        picture.frame, base64(picture.jpeg));
+  return html + "</div>\n" + plots(report, page) + "</html>\n";
+}
+
+}  // namespace promenade

@@ -1,0 +1,123 @@
+#include "cli/view_options.h"
+
+#include <fmt/format.h>
+
+#include "layout/file_io.h"
+
+namespace promenade {
+namespace {
+
+Result<Policy> parse_policy(const std::string& text) {
+  if (const std::optional<Policy> policy = policy_named(text)) return *policy;
+  return Error{fmt::format("\"{}\" is no policy: {}", text, policy_names())};
+}
+
+Result<OffscreenKind> parse_offscreen(const std::string& text) {
+  if (const std::optional<OffscreenKind> kind = offscreen_kind_named(text)) return *kind;
+  return Error{fmt::format("\"{}\" is no way to draw offscreen: automatic, osmesa or egl", text)};
+}
+
+}  // namespace
+
+void add_camera_options(CLI::App& app, ViewOptions& options) {
+  add_parsed<PixelSize>(app, "--size", options.size, parse_size, "Picture size, pixels")->default_str("1280x720");
+  app.add_option("--fov", options.vertical_fov_deg, "Vertical field of view, degrees")
+      ->check(CLI::Range(1.0, 170.0))
+      ->capture_default_str();
+  app.add_option("--near", options.near_m, "Nearest distance that is drawn, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_flag("--no-sky", options.no_sky, "Black where there is no surface");
+}
+
+void add_pose_option(CLI::App& app, std::optional<Pose>& pose, const std::string& help) {
+  app.add_option_function<std::string>(
+      "--camera",
+      [&pose](const std::string& text) {
+        const Result<Pose> parsed = parse_pose(text);
+        if (!parsed) throw CLI::ValidationError("--camera", parsed.error().message);
+        pose = *parsed;
+      },
+      help);
+}
+
+void add_offscreen_option(CLI::App& app, ViewOptions& options) {
+  add_parsed<OffscreenKind>(app, "--offscreen", options.offscreen, parse_offscreen,
+                            "OpenGL without a display: osmesa (CPU), egl (GPU), automatic")
+      ->default_str("automatic");
+}
+
+void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_policy, uint64_t default_memory_bytes) {
+  SelectOptions& select = options.session.select;
+  LoaderOptions& loader = options.session.loader;
+  TimeSliceOptions& time = select.time;
+  select.policy = default_policy;
+  loader.memory_bytes = default_memory_bytes;
+  add_parsed<Policy>(app, "--policy", select.policy, parse_policy, fmt::format("What to draw: {}", policy_names()))
+      ->default_str(std::string(name_of(default_policy)));
+  app.add_option("--pixel-error", select.pixel_error, "Projected error that is allowed, pixels")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  add_parsed<uint64_t>(app, "--memory", loader.memory_bytes, parse_bytes, "Bound on all resident model data")
+      ->default_str(default_memory_bytes >= (uint64_t(1) << 30) ? fmt::format("{}GiB", default_memory_bytes >> 30)
+                                                                : fmt::format("{}MiB", default_memory_bytes >> 20));
+  app.add_option("--target-ms", time.target_ms, "Frame time to aim at, ms")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option_function<double>(
+         "--disk-mbps", [&loader](double mbps) { loader.disk_mbps = mbps; },
+         "Emulate a disk of so many megabytes a second")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--disk-seek-ms", loader.disk_seek_ms, "Emulated time of a read elsewhere, ms")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  CLI::Option_group* group = app.add_option_group("time slices", "Constants of the time-slices and lakhia policies");
+  group->add_option("--hysteresis-switch", time.hysteresis_switch, "Threshold at which a node's level changes")
+      ->capture_default_str();
+  group->add_option("--hysteresis-limit", time.hysteresis_limit, "Range of the hysteresis counter")
+      ->capture_default_str();
+  group->add_option("--visibility-weight", time.visibility_weight, "Weight of being in the frustum")
+      ->capture_default_str();
+  group->add_option("--foreshortening-weight", time.foreshortening_weight, "Weight of facing the viewer")
+      ->capture_default_str();
+  group->add_option("--textured-weight", time.textured_weight, "Cost of a textured triangle, 1 less it of another")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  group->add_flag("!--no-hysteresis", time.hysteresis, "Switch levels at once");
+  group->add_flag("!--no-time-feedback", time.time_feedback, "Keep the first estimate of the time a triangle takes");
+  group->add_flag("!--no-share-feedback", time.share_feedback, "Keep the time that is shared out at the target");
+  group->add_flag("!--visible-children", time.all_children_resident,
+                  "Refine as soon as all visible children are resident");
+}
+
+Camera camera_of(const ViewOptions& options, const Pose& pose) {
+  return {pose, options.size.width, options.size.height, options.vertical_fov_deg, options.near_m};
+}
+
+Background background_of(const ViewOptions& options) {
+  Background background;
+  background.sky = !options.no_sky;
+  return background;
+}
+
+Result<OffscreenRenderer> make_offscreen_renderer(const ViewOptions& options) {
+  Result<std::unique_ptr<GlContext>> context = create_offscreen_context(options.offscreen);
+  if (!context) return context.error();
+  Result<std::unique_ptr<GlRenderer>> renderer = create_gl_renderer(**context);
+  if (!renderer) return renderer.error();
+  return OffscreenRenderer{std::move(*context), std::move(*renderer)};
+}
+
+Result<CameraPath> read_path(const std::filesystem::path& file) {
+  constexpr uint64_t kLargestPath = uint64_t(256) << 20;  // a key takes about 100 bytes: two million of them
+  const Result<std::string> text = read_text_file(file, kLargestPath);
+  if (!text) return text.error();
+  return parse_path(*text, file.string());
+}
+
+bool is_model(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path / "manifest.json", ignored);
+}
+
+}  // namespace promenade

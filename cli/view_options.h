@@ -1,0 +1,53 @@
+#pragma once
+// Options that render, fly and view share: how a model is looked at.
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cli/command.h"
+#include "cli/values.h"
+#include "geometry/path.h"
+#include "runtime/gl_context.h"
+#include "runtime/gl_renderer.h"
+#include "runtime/session.h"
+
+namespace promenade {
+
+struct ViewOptions {
+  PixelSize size;
+  double vertical_fov_deg = 60;
+  double near_m = 0.1;
+  SessionOptions session;
+  OffscreenKind offscreen = OffscreenKind::automatic;
+  bool no_sky = false;
+};
+
+/// --size, --fov, --near, --no-sky: the camera and what it sees where nothing is.
+void add_camera_options(CLI::App& app, ViewOptions& options);
+/// --camera x,y,z,yaw,pitch.
+void add_pose_option(CLI::App& app, std::optional<Pose>& pose, const std::string& help);
+/// --offscreen.
+void add_offscreen_option(CLI::App& app, ViewOptions& options);
+/// --policy, --pixel-error, --memory, --target-ms, --disk-*, and the policies' constants.
+void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_policy, uint64_t default_memory_bytes);
+
+Camera camera_of(const ViewOptions& options, const Pose& pose);
+Background background_of(const ViewOptions& options);
+
+/// An OpenGL renderer and the context under it, in the order in which they must go.
+struct OffscreenRenderer {
+  std::unique_ptr<GlContext> context;
+  std::unique_ptr<GlRenderer> renderer;
+};
+Result<OffscreenRenderer> make_offscreen_renderer(const ViewOptions& options);
+
+/// A recorded path from its file.
+Result<CameraPath> read_path(const std::filesystem::path& file);
+
+/// Whether a path names a model (else it is taken for a source).
+bool is_model(const std::filesystem::path& path);
+
+}  // namespace promenade

@@ -1,0 +1,258 @@
+#include "datasets/building_structure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "datasets/building_random.h"
+#include "datasets/furniture_palette.h"
+#include "datasets/shapes.h"
+
+namespace promenade {
+
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr glm::u8vec4 kPlaster = rgb(0xece6d9), kStone = rgb(0xcabfa9), kBrick = rgb(0xa9603f), kConcrete = rgb(0x9c9a95),
+                      kTiles = rgb(0xbdb7aa), kLawn = rgb(0x6f9152), kPaving = rgb(0xb3aca0), kRoofing = rgb(0x8d8f90);
+
+glm::u8vec4 facade_of(uint32_t floor) { return floor == 0 ? kStone : kBrick; }
+
+/// The paint of a room's walls and its floor's colour; what ends at a corridor takes the corridor's plaster.
+struct Finish {
+  glm::u8vec4 wall = kPlaster, floor = kTiles;
+};
+
+Finish finish_of(const Room& room, uint64_t seed) {
+  static constexpr std::array<glm::u8vec4, 6> kPaints = {rgb(0xe9e1cf), rgb(0xdfe5dc), rgb(0xe8d9c8), rgb(0xd9e2e8), rgb(0xeee3c4), rgb(0xe6dbe0)};
+  static constexpr std::array<glm::u8vec4, 5> kCarpets = {rgb(0x6b7d8c), rgb(0x8a7a63), rgb(0x5f7a6b), rgb(0x86605a), rgb(0x77718a)};
+  BuildingRandom random(seed ^ (uint64_t{room.floor} << 40U) ^ static_cast<uint64_t>(room.min.x * 64 + 4096 * room.min.y * 64));
+  const glm::u8vec4 paint = kPaints[random.below(kPaints.size())], carpet = kCarpets[random.below(kCarpets.size())];
+  switch (room.kind) {
+    case RoomKind::corridor: return {kPlaster, room.floor == 0 ? kTiles : rgb(0x9a8f84)};
+    case RoomKind::lobby: return {rgb(0xe9dcc4), rgb(0xc9c0b0)};
+    case RoomKind::auditorium: return {rgb(0xc7a98a), rgb(0x6e3b40)};
+    case RoomKind::library: return {rgb(0xe7dcc6), rgb(0x5f6f5a)};
+    case RoomKind::toilet: return {rgb(0xcfe0e0), rgb(0x8fa3a5)};
+    case RoomKind::kitchenette: return {rgb(0xf0e4c0), rgb(0xb9a98f)};
+    case RoomKind::class_room: return {paint, rgb(0xb08d62)};
+    case RoomKind::lounge: return {paint, palette::kBeech};
+    case RoomKind::laboratory: return {rgb(0xe3e6e6), rgb(0x7d8a96)};
+    case RoomKind::server_room:
+    case RoomKind::storage:
+    case RoomKind::stairwell:
+    case RoomKind::lift: return {rgb(0xd9d6ce), rgb(0x9a9a98)};
+    default: return {paint, carpet};
+  }
+}
+
+class Builder {
+ public:
+  Builder(const BuildingPlan& plan, uint64_t seed) : plan_(plan), seed_(seed) {}
+
+  void wall(const Wall& wall);
+  void room(const Room& room);
+  void slab(uint32_t floor);
+  void stairs();
+  void auditorium();
+  void roof();
+  void ledges();
+  void ground();
+  Structure take() { return std::move(structure_); }
+
+ private:
+  uint32_t keep() {
+    structure_.meshes.push_back(sculptor_.take());
+    return static_cast<uint32_t>(structure_.meshes.size() - 1);
+  }
+  void part(std::string name, const char* class_name, uint32_t mesh, const glm::dmat4& at) {
+    structure_.parts.push_back({std::move(name), class_name, mesh, at});
+  }
+  void box_part(std::string name, const char* class_name, glm::u8vec4 color, const dvec3& min, const dvec3& max) {
+    sculptor_.stand().paint(color).box({0, 0, 0}, max - min);
+    part(std::move(name), class_name, keep(), moved(min));
+  }
+  glm::u8vec4 paint_of(uint32_t room, uint32_t floor) const {
+    return room == kOutside ? facade_of(floor) : finish_of(plan_.rooms[room], seed_).wall;
+  }
+
+  const BuildingPlan& plan_;
+  uint64_t seed_;
+  Sculptor sculptor_{1};
+  Structure structure_;
+};
+
+/// The wall's face as a polygon (along, up): openings that reach the floor are notches, the others holes.
+void Builder::wall(const Wall& wall) {
+  const bool outer = wall.low == kOutside || wall.high == kOutside;
+  const double bottom = outer ? -kSlab_m - kFinish_m : -kFinish_m, length = wall.to - wall.from;
+  std::vector<dvec2> outline{{0, bottom}};
+  std::vector<std::vector<dvec2>> holes;
+  for (const Opening& opening : wall.openings) {
+    const double a = opening.at - wall.from - opening.width_m / 2, b = a + opening.width_m;
+    // Doors leave a sill as high as the floor's finish: holes too, so that the wall stays one piece.
+    holes.push_back({{a, opening.bottom_m}, {a, opening.top_m}, {b, opening.top_m}, {b, opening.bottom_m}});
+  }
+  outline.insert(outline.end(), {{length, bottom}, {length, kWallTop_m}, {0, kWallTop_m}});
+  const glm::u8vec4 low = paint_of(wall.low, wall.floor), high = paint_of(wall.high, wall.floor);
+  const double z = wall.floor * kStorey_m;
+  sculptor_.paint(outer ? facade_of(wall.floor) : kPlaster);
+  glm::dmat4 world;
+  if (wall.along_x) {
+    sculptor_.stand(turned_x(90)).extrude(outline, holes, -wall.above_m, wall.below_m, &low, &high);
+    world = moved({wall.from, wall.line, z});
+  } else {
+    sculptor_.stand(turned_z(90) * turned_x(90)).extrude(outline, holes, -wall.below_m, wall.above_m, &high, &low);
+    world = moved({wall.line, wall.from, z});
+  }
+  part(fmt::format("f{}_wall_{}", wall.floor + 1, structure_.parts.size()), "wall", keep(), world);
+}
+
+void Builder::room(const Room& room) {
+  const Finish finish = finish_of(room, seed_);
+  const double z = room.floor * kStorey_m;
+  dvec2 min = room.min + kWallHalf_m, max = room.max - kWallHalf_m;
+  // Where a corridor meets the next one there is no wall: north-south corridors reach to those across.
+  if (room.kind == RoomKind::corridor && max.y - min.y > max.x - min.x) min.y -= 2 * kWallHalf_m, max.y += 2 * kWallHalf_m;
+  const bool shaft = room.kind == RoomKind::lift || room.kind == RoomKind::stairwell;
+  if (room.has_floor && (!shaft || room.floor == 0))
+    box_part(fmt::format("f{}_{}_floor", room.floor + 1, room.name), "floor", finish.floor, {min, z - kFinish_m}, {max, z});
+  if (room.kind == RoomKind::stairwell && room.floor > 0)
+    box_part(fmt::format("f{}_{}_floor", room.floor + 1, room.name), "floor", finish.floor, {min, z - kFinish_m},
+             {max.x, min.y + kLanding_m, z});
+  if (!room.has_ceiling || shaft) return;
+  const double height = room.kind == RoomKind::corridor ? kCorridorCeiling_m : room.kind == RoomKind::auditorium ? 3.35 : kCeiling_m;
+  box_part(fmt::format("f{}_{}_ceiling", room.floor + 1, room.name), "ceiling", rgb(0xf4f1ea), {min, z + height}, {max, z + height + 0.05});
+}
+
+void Builder::slab(uint32_t floor) {
+  const dvec2 min(kWallHalf_m), max(kWidth_m - kWallHalf_m, kDepth_m - kWallHalf_m);
+  const std::vector<dvec2> outline{min, {max.x, min.y}, max, {min.x, max.y}};
+  std::vector<std::vector<dvec2>> holes;
+  for (const Room& room : plan_.rooms) {
+    if (room.floor != floor || floor == 0) continue;
+    const bool hall = room.kind == RoomKind::auditorium && !room.has_floor;
+    if (!hall && room.kind != RoomKind::stairwell && room.kind != RoomKind::lift) continue;
+    dvec2 a = room.min + kWallHalf_m, b = room.max - kWallHalf_m;
+    if (room.kind == RoomKind::stairwell) a.y += kLanding_m;
+    holes.push_back({a, {a.x, b.y}, b, {b.x, a.y}});
+  }
+  const double z = floor * kStorey_m;
+  sculptor_.stand().paint(kConcrete).extrude(outline, holes, -kSlab_m - kFinish_m, -kFinish_m);
+  part(fmt::format("f{}_slab", floor + 1), "slab", keep(), moved({0, 0, z}));
+}
+
+/// Stairs in the frame of the stairwell's inner south-west corner.
+void Builder::stairs() {
+  const double run = kTreads * kTread_m, half = (kTreads + 1) * kRiser_m, y0 = kLanding_m, y1 = y0 + run;
+  std::vector<dvec2> up{{y0, 0}, {y0 + 0.4, 0}, {y1, kTreads * kRiser_m - 0.2}};
+  std::vector<dvec2> back{{y0, half + kTreads * kRiser_m - 0.2}, {y1 - 0.4, half - 0.18}, {y1, half - 0.18}};
+  for (uint32_t i = kTreads; i-- > 0;) {
+    up.emplace_back(y0 + (i + 1) * kTread_m, (i + 1) * kRiser_m);
+    up.emplace_back(y0 + i * kTread_m, (i + 1) * kRiser_m);
+  }
+  for (uint32_t i = 0; i < kTreads; ++i) {
+    back.emplace_back(y1 - i * kTread_m, half + (i + 1) * kRiser_m);
+    back.emplace_back(y1 - (i + 1) * kTread_m, half + (i + 1) * kRiser_m);
+  }
+  double right = 0;
+  for (const Room& room : plan_.rooms) {
+    if (room.kind == RoomKind::stairwell) right = room.max.x - room.min.x - 2 * kWallHalf_m;
+  }
+  const glm::dmat4 upright = turned_z(90) * turned_x(90);
+  sculptor_.stand(upright).paint(kConcrete);
+  sculptor_.extrude(up, {}, 0, kFlightWidth_m);
+  sculptor_.extrude(back, {}, right - kFlightWidth_m, right);
+  sculptor_.stand().box({0, y1, half - 0.18}, {right, y1 + 1.5, half});
+  const uint32_t mesh = keep();
+  for (const Room& room : plan_.rooms) {
+    if (room.kind != RoomKind::stairwell || room.floor + 1 >= plan_.floors) continue;
+    part(fmt::format("f{}_{}_stairs", room.floor + 1, room.name), "stairs", mesh,
+         moved({room.min + kWallHalf_m, room.floor * kStorey_m}));
+  }
+}
+
+/// The auditorium's rows: one stepped solid, with a half step in both aisles before each.
+void Builder::auditorium() {
+  for (const Room& room : plan_.rooms) {
+    if (room.kind != RoomKind::auditorium || !room.has_floor) continue;
+    const dvec2 size = room.max - room.min - 2 * kWallHalf_m;
+    const double rise = kStorey_m / kRows;
+    std::vector<dvec2> profile{{kFrontRow_m, 0}, {size.y, 0}, {size.y, kStorey_m}};
+    for (uint32_t i = kRows; i-- > 0;) {
+      if (i + 1 < kRows) profile.emplace_back(kFrontRow_m + (i + 1) * kRowDepth_m, (i + 1) * rise);
+      profile.emplace_back(kFrontRow_m + i * kRowDepth_m, (i + 1) * rise);
+    }
+    sculptor_.stand(turned_z(90) * turned_x(90)).paint(finish_of(room, seed_).floor).extrude(profile, {}, 0, size.x);
+    sculptor_.stand().paint(shaded(finish_of(room, seed_).floor, 0.15));
+    for (uint32_t i = 0; i < kRows; ++i) {
+      const double y = kFrontRow_m + i * kRowDepth_m, z = i * rise;
+      sculptor_.box({0.001, y - 0.42, z}, {kAisle_m, y - 0.0001, z + rise / 2});
+      sculptor_.box({size.x - kAisle_m, y - 0.42, z}, {size.x - 0.001, y - 0.0001, z + rise / 2});
+    }
+    part(fmt::format("f{}_{}_rows", room.floor + 1, room.name), "stairs", keep(), moved({room.min + kWallHalf_m, room.floor * kStorey_m}));
+  }
+}
+
+void Builder::roof() {
+  const double z = plan_.floors * kStorey_m, x1 = kWidth_m + kFacade_m, y1 = kDepth_m + kFacade_m, in = kWallHalf_m;
+  const double low = z - kSlab_m - kFinish_m, high = z + 0.9;
+  box_part("roof_slab", "roof", kRoofing, {in, in, low}, {kWidth_m - in, kDepth_m - in, z});
+  box_part("parapet_south", "parapet", kBrick, {-kFacade_m, -kFacade_m, low}, {x1, in, high});
+  box_part("parapet_north", "parapet", kBrick, {-kFacade_m, kDepth_m - in, low}, {x1, y1, high});
+  box_part("parapet_west", "parapet", kBrick, {-kFacade_m, in, low}, {in, kDepth_m - in, high});
+  box_part("parapet_east", "parapet", kBrick, {kWidth_m - in, in, low}, {x1, kDepth_m - in, high});
+  const double out = kFacade_m + 0.12, top = high + 0.12;
+  box_part("coping_south", "ledge", kStone, {-out, -out, high}, {kWidth_m + out, in + 0.06, top});
+  box_part("coping_north", "ledge", kStone, {-out, kDepth_m - in - 0.06, high}, {kWidth_m + out, kDepth_m + out, top});
+  box_part("coping_west", "ledge", kStone, {-out, in + 0.06, high}, {in + 0.06, kDepth_m - in - 0.06, top});
+  box_part("coping_east", "ledge", kStone, {kWidth_m - in - 0.06, in + 0.06, high}, {kWidth_m + out, kDepth_m - in - 0.06, top});
+  box_part("lift_house", "roof", kConcrete, {27.4, 9.1, z}, {29.9, 14.1, z + 1.8});
+}
+
+/// Bands around the facade at every storey, each side one solid that ends at the next one's face.
+void Builder::ledges() {
+  for (uint32_t floor = 1; floor <= plan_.floors; ++floor) {
+    const double z = floor * kStorey_m - 0.32, reach = floor == 1 ? 0.22 : 0.1, top = z + (floor == 1 ? 0.4 : 0.26);
+    const double a = kFacade_m, b = kFacade_m + reach;
+    const glm::u8vec4 color = kStone;
+    box_part(fmt::format("f{}_ledge_south", floor + 1), "ledge", color, {-b, -b, z}, {kWidth_m + b, -a, top});
+    box_part(fmt::format("f{}_ledge_north", floor + 1), "ledge", color, {-b, kDepth_m + a, z}, {kWidth_m + b, kDepth_m + b, top});
+    box_part(fmt::format("f{}_ledge_west", floor + 1), "ledge", color, {-b, -a, z}, {-a, kDepth_m + a, top});
+    box_part(fmt::format("f{}_ledge_east", floor + 1), "ledge", color, {kWidth_m + a, -a, z}, {kWidth_m + b, kDepth_m + a, top});
+  }
+}
+
+void Builder::ground() {
+  box_part("lawn", "ground", kLawn, {-50, -55, -1}, {kWidth_m + 50, kDepth_m + 50, -0.1});
+  // Paving around the building and a path to the entrance, each resting in the lawn.
+  const double e = 4;
+  box_part("paving_south", "ground", kPaving, {-e, -e, -0.3}, {kWidth_m + e, -kFacade_m, -0.02});
+  box_part("paving_north", "ground", kPaving, {-e, kDepth_m + kFacade_m, -0.3}, {kWidth_m + e, kDepth_m + e, -0.02});
+  box_part("paving_west", "ground", kPaving, {-e, -kFacade_m, -0.3}, {-kFacade_m, kDepth_m + kFacade_m, -0.02});
+  box_part("paving_east", "ground", kPaving, {kWidth_m + kFacade_m, -kFacade_m, -0.3}, {kWidth_m + e, kDepth_m + kFacade_m, -0.02});
+  box_part("entrance_path", "ground", shaded(kPaving, 0.1), {kWidth_m / 2 - 3, -52, -0.3}, {kWidth_m / 2 + 3, -e, -0.03});
+  box_part("canopy", "roof", kStone, {kWidth_m / 2 - 3, -3, 2.75}, {kWidth_m / 2 + 3, -kFacade_m, 2.95});
+  for (const double x : {kWidth_m / 2 - 2.7, kWidth_m / 2 + 2.5})
+    box_part(fmt::format("canopy_post_{}", x < kWidth_m / 2 ? 0 : 1), "roof", kStone, {x, -2.9, -0.02}, {x + 0.2, -2.7, 2.75});
+}
+
+}  // namespace
+
+Structure build_structure(const BuildingPlan& plan, uint64_t seed) {
+  Builder builder(plan, seed);
+  for (uint32_t floor = 0; floor < plan.floors; ++floor) builder.slab(floor);
+  for (const Wall& wall : plan.walls) builder.wall(wall);
+  for (const Room& room : plan.rooms) builder.room(room);
+  builder.stairs();
+  builder.auditorium();
+  builder.roof();
+  builder.ledges();
+  builder.ground();
+  return builder.take();
+}
+
+}  // namespace promenade

@@ -1,0 +1,23 @@
+#pragma once
+// The names inside and around a model's folder.
+
+#include <filesystem>
+
+namespace promenade {
+
+constexpr const char* kManifestName = "manifest.json";
+constexpr const char* kTablesName = "tables.bin";
+constexpr const char* kGeometryName = "geometry.bin";
+constexpr const char* kTexturesName = "textures.bin";
+
+/// "city.prom/" and "city.prom" are one model.
+inline std::filesystem::path without_trailing_slash(const std::filesystem::path& path) {
+  return path.has_filename() || !path.has_parent_path() ? path : path.parent_path();
+}
+
+/// Beside the model: "city.prom.partial" while it is written, "city.prom.old" while a new one takes its place.
+inline std::filesystem::path beside(const std::filesystem::path& model, const char* ending) {
+  return model.parent_path() / (model.filename().string() + ending);
+}
+
+}  // namespace promenade

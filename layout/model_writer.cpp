@@ -1,0 +1,188 @@
+// How a model is published: everything is written and synced in PATH.partial; then what stands at PATH is renamed to
+// PATH.old, PATH.partial to PATH, and PATH.old is removed. A crash between the two renames leaves the old model whole
+// under PATH.old: opening finds it there and the next writer puts it back.
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "codec/frame.h"
+#include "layout/file_system.h"
+#include "layout/manifest.h"
+#include "layout/model_folder.h"
+#include "layout/model_io.h"
+#include "layout/tables_codec.h"
+
+namespace promenade {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<const char*, 4> kOwnNames = {kManifestName, kTablesName, kGeometryName, kTexturesName};
+
+bool exists(const fs::path& path, FileSystem& files) {
+  FileInfo info;
+  int result = 0;
+  do result = files.info(path, info);
+  while (result == -EINTR);
+  return result >= 0;
+}
+
+Status rename(const fs::path& from, const fs::path& to, FileSystem& files) {
+  int result = 0;
+  do result = files.rename(from, to);
+  while (result == -EINTR);
+  if (result < 0) return file_error(from, fmt::format("rename it to {}", to.filename().string()), -result);
+  return Done{};
+}
+
+/// Removes a folder with the files that a model has, finished or not, and nothing else: a folder that holds more stays.
+Status remove_model_folder(const fs::path& folder, FileSystem& files) {
+  for (const char* name : kOwnNames) {
+    files.remove(folder / name);
+    files.remove(folder / ("." + std::string(name) + ".partial"));
+  }
+  const int result = files.remove(folder);
+  if (result >= 0 || result == -ENOENT) return Done{};
+  if (result == -ENOTEMPTY || result == -EEXIST)
+    return Error{fmt::format("{}: holds files that are no part of a model; move them away", folder.string())};
+  return file_error(folder, "remove", -result);
+}
+
+/// Puts back what a crash between two renames left, and removes what one after them did.
+Status recover(const fs::path& path, FileSystem& files) {
+  const fs::path old = beside(path, ".old");
+  if (!exists(old / kManifestName, files)) return Done{};
+  if (exists(path, files)) return remove_model_folder(old, files);
+  PROMENADE_TRY(rename(old, path, files));
+  return sync_folder(folder_of(path), files);
+}
+
+Status check_manifest(const ModelManifest& manifest) {
+  for (const glm::dvec3& v : {manifest.origin, manifest.world_box.min, manifest.world_box.max})
+    for (int i = 0; i < 3; ++i)
+      if (!std::isfinite(v[i])) return Error{"origin or world box is not finite"};
+  return Done{};
+}
+
+}  // namespace
+
+struct ModelWriter::State {
+  fs::path path;
+  fs::path partial;
+  FileSystem* files = nullptr;
+  std::optional<FileLock> lock;
+  std::optional<AtomicFile> geometry;
+  std::optional<AtomicFile> textures;
+  std::vector<SegmentRecord> segments;
+  bool published = false;
+
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    geometry.reset();
+    textures.reset();
+    // A failure here leaves a folder that the next writer removes.
+    if (!published && lock) static_cast<void>(remove_model_folder(partial, *files));
+  }
+
+  Status start();
+  Status publish();
+};
+
+Status ModelWriter::State::start() {
+  Result<FileLock> held =
+      FileLock::acquire(path.parent_path() / ("." + path.filename().string() + ".writing"), "model " + path.string());
+  if (!held) return held.error();
+  lock.emplace(std::move(*held));
+  PROMENADE_TRY(recover(path, *files));
+  if (exists(path, *files) && !exists(path / kManifestName, *files))
+    return Error{fmt::format("{}: exists and is no model; choose another name or move it away", path.string())};
+  PROMENADE_TRY(remove_model_folder(partial, *files));
+  int result = 0;
+  do result = files->make_folder(partial);
+  while (result == -EINTR);
+  if (result < 0) return file_error(partial, "make the folder", -result);
+  for (auto& [file, name] : {std::pair(&geometry, kGeometryName), std::pair(&textures, kTexturesName)}) {
+    Result<AtomicFile> created = AtomicFile::create(partial / name, *files);
+    if (!created) return created.error();
+    file->emplace(std::move(*created));
+  }
+  return Done{};
+}
+
+Status ModelWriter::State::publish() {
+  const fs::path old = beside(path, ".old");
+  const bool replaces = exists(path, *files);
+  if (replaces) PROMENADE_TRY(rename(path, old, *files));
+  if (const Status status = rename(partial, path, *files); !status) {
+    // The old model must not stay under its other name.
+    if (replaces) PROMENADE_TRY(rename(old, path, *files));
+    return status;
+  }
+  published = true;
+  PROMENADE_TRY(sync_folder(folder_of(path), *files));
+  if (replaces) PROMENADE_TRY(remove_model_folder(old, *files));
+  return Done{};
+}
+
+ModelWriter::ModelWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ModelWriter::ModelWriter(ModelWriter&&) noexcept = default;
+ModelWriter& ModelWriter::operator=(ModelWriter&&) noexcept = default;
+ModelWriter::~ModelWriter() = default;
+
+Result<ModelWriter> ModelWriter::create(const fs::path& path, FileSystem& files) {
+  auto state = std::make_unique<State>();
+  state->path = without_trailing_slash(path);
+  if (!state->path.has_filename() || state->path.filename() == "." || state->path.filename() == "..")
+    return Error{fmt::format("\"{}\": is no name for a model", path.string())};
+  state->partial = beside(state->path, ".partial");
+  state->files = &files;
+  PROMENADE_TRY(state->start());
+  return ModelWriter(std::move(state));
+}
+
+Result<uint32_t> ModelWriter::append(SegmentRecord::Type type, std::span<const std::byte> bytes) {
+  State& s = *state_;
+  const bool mesh = type == SegmentRecord::Type::mesh;
+  if (bytes.size() > std::numeric_limits<uint32_t>::max())
+    return Error{
+        fmt::format("{}: a segment of {} bytes; at most 4 GiB are stored as one", s.path.string(), bytes.size())};
+  if (s.segments.size() >= std::numeric_limits<uint32_t>::max())
+    return Error{fmt::format("{}: too many segments", s.path.string())};
+  AtomicFile& file = mesh ? *s.geometry : *s.textures;
+  SegmentRecord record;
+  record.type = type;
+  record.file = mesh ? 0 : 1;
+  record.offset = file.size();
+  record.stored_bytes = static_cast<uint32_t>(bytes.size());
+  record.checksum = checksum(bytes);
+  PROMENADE_TRY(file.write(bytes));
+  s.segments.push_back(record);
+  return static_cast<uint32_t>(s.segments.size() - 1);
+}
+
+Status ModelWriter::finish(ModelTables tables, ModelManifest manifest) {
+  State& s = *state_;
+  Model model{std::move(manifest), std::move(tables)};
+  model.tables.segments = s.segments;
+  const std::vector<std::byte> table_bytes = encode_tables(model.tables);
+  model.manifest.files = {
+      {kGeometryName, s.geometry->size()}, {kTexturesName, s.textures->size()}, {kTablesName, table_bytes.size()}};
+  std::string defect = find_defect(model);
+  if (const Status status = check_manifest(model.manifest); defect.empty() && !status) defect = status.error().message;
+  if (!defect.empty()) return Error{fmt::format("{}: refused to write an unsound model: {}", s.path.string(), defect)};
+  PROMENADE_TRY(s.geometry->commit());
+  PROMENADE_TRY(s.textures->commit());
+  PROMENADE_TRY(write_file(s.partial / kTablesName, table_bytes, *s.files));
+  PROMENADE_TRY(write_file(s.partial / kManifestName,
+                           std::string_view(manifest_text({model.manifest, checksum(table_bytes)})), *s.files));
+  return s.publish();
+}
+
+}  // namespace promenade

@@ -1,0 +1,203 @@
+#include "preprocess/assemble.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "preprocess/survey.h"
+
+namespace promenade {
+
+namespace {
+
+constexpr size_t kBatch = 256;  // nodes read, renumbered and written together: some MiB
+
+/// A node by the unit that it is in.
+struct Place {
+  uint32_t unit = 0;
+  uint32_t node = 0;
+};
+
+class Assembler {
+ public:
+  Assembler(const TreeUnits& units, const TextureStore& textures, const std::vector<Material>& materials,
+            GeometryCodec codec, const WorkFolder& folder, ModelWriter& writer)
+      : units_(units),
+        textures_(textures),
+        codec_(codec),
+        folder_(folder),
+        writer_(writer),
+        first_atlas_material_(static_cast<uint32_t>(materials.size())) {
+    tables.materials = materials;
+  }
+
+  Status add_textures() {
+    for (uint32_t i = 0; i < textures_.size(); ++i) {
+      const Result<std::vector<std::byte>> bytes = textures_.encoded(i);
+      if (!bytes.ok()) return bytes.error();
+      const Result<uint32_t> segment = writer_.append(SegmentRecord::Type::texture, *bytes);
+      if (!segment.ok()) return segment.error();
+      const uint32_t flags = textures_[i].has_opacity ? TextureRecord::kHasOpacity : 0U;
+      tables.textures.push_back({textures_[i].width, textures_[i].height, *segment, flags});
+    }
+    return Done{};
+  }
+
+  /// Gives every node its id and fills in what links it to others.
+  void order() {
+    add_node(root(), kNoNode, 0);
+    tables.roots.push_back(NodeId{0});
+    add_children(NodeId{0});
+  }
+
+  Status add_nodes(JobMonitor& monitor) {
+    for (size_t first = 0; first < places_.size(); first += kBatch) {
+      const size_t last = std::min(first + kBatch, places_.size());
+      PROMENADE_TRY(add_batch(first, last));
+      monitor.progress("write", last, places_.size());
+      if (monitor.cancelled()) return Error{kInterrupted};
+    }
+    return Done{};
+  }
+
+  ModelTables tables;
+
+ private:
+  const NodeUnit& unit(uint32_t index) const {
+    return index < units_.chunks.size() ? units_.chunks[index] : units_.top;
+  }
+  const UnitNode& node(const Place& place) const { return unit(place.unit).nodes[place.node]; }
+
+  Place root() const {
+    if (!units_.top.nodes.empty()) return {static_cast<uint32_t>(units_.chunks.size()), 0};
+    return {0, 0};
+  }
+
+  void add_node(const Place& place, NodeId parent, uint32_t level) {
+    NodeRecord record = node(place).record;
+    record.parent = parent;
+    record.level = level;
+    places_.push_back(place);
+    tables.nodes.push_back(record);
+  }
+
+  void add_children(NodeId id) {
+    const Place place = places_[index_of(id)];
+    const std::vector<uint32_t>& children = node(place).children;
+    const auto first = static_cast<uint32_t>(tables.nodes.size());
+    tables.nodes[index_of(id)].first_child = static_cast<uint32_t>(tables.children.size());
+    tables.nodes[index_of(id)].child_count = static_cast<uint32_t>(children.size());
+    const uint32_t level = tables.nodes[index_of(id)].level + 1;
+    for (const uint32_t child : children) {
+      const bool other = (child & NodeUnit::kOtherUnit) != 0;
+      tables.children.push_back(NodeId{static_cast<uint32_t>(tables.nodes.size())});
+      add_node(other ? Place{child & ~NodeUnit::kOtherUnit, 0} : Place{place.unit, child}, id, level);
+    }
+    for (uint32_t i = 0; i < children.size(); ++i) add_children(NodeId{first + i});
+  }
+
+  /// One node's bytes and the number of its first atlas material.
+  struct Bytes {
+    std::vector<std::byte> mesh, atlas;
+    uint32_t first_material = 0;
+    std::optional<Error> error;
+  };
+
+  Status add_batch(size_t first, size_t last) {
+    std::vector<Bytes> batch(last - first);
+    for (size_t i = first; i < last; ++i) {
+      PROMENADE_TRY(read(places_[i], batch[i - first]));
+      batch[i - first].first_material = static_cast<uint32_t>(tables.materials.size());
+      PROMENADE_TRY(add_looks(i, batch[i - first]));
+    }
+    tbb::parallel_for(first, last, [&](size_t i) {
+      if (!node(places_[i]).atlas_materials.empty()) renumber(places_[i], batch[i - first]);
+    });
+    for (size_t i = first; i < last; ++i) {
+      if (batch[i - first].error) return *batch[i - first].error;
+      const Result<uint32_t> segment = writer_.append(SegmentRecord::Type::mesh, batch[i - first].mesh);
+      if (!segment.ok()) return segment.error();
+      tables.nodes[i].segment = *segment;
+    }
+    return Done{};
+  }
+
+  Status read(const Place& place, Bytes& bytes) {
+    if (!file_ || open_unit_ != place.unit) {
+      Result<RandomAccessFile> file = folder_.open_unit(unit(place.unit).name);
+      if (!file.ok()) return file.error();
+      file_ = std::move(*file), open_unit_ = place.unit;
+    }
+    const UnitNode& from = node(place);
+    Result<std::vector<std::byte>> mesh = folder_.read(*file_, from.mesh.offset, from.mesh.bytes);
+    if (!mesh.ok()) return mesh.error();
+    Result<std::vector<std::byte>> atlas = folder_.read(*file_, from.atlas.offset, from.atlas.bytes);
+    if (!atlas.ok()) return atlas.error();
+    bytes.mesh = std::move(*mesh), bytes.atlas = std::move(*atlas);
+    return Done{};
+  }
+
+  /// The node's textures and materials into the tables.
+  Status add_looks(size_t id, const Bytes& bytes) {
+    const UnitNode& from = node(places_[id]);
+    tables.nodes[id].first_texture = static_cast<uint32_t>(tables.node_textures.size());
+    tables.node_textures.insert(tables.node_textures.end(), from.textures.begin(), from.textures.end());
+    if (!bytes.atlas.empty()) {
+      const Result<uint32_t> segment = writer_.append(SegmentRecord::Type::texture, bytes.atlas);
+      if (!segment.ok()) return segment.error();
+      const auto texture = static_cast<uint32_t>(tables.textures.size());
+      tables.textures.push_back(from.atlas_record);
+      tables.textures.back().segment = *segment;
+      tables.node_textures.push_back(texture);
+      for (Material material : from.atlas_materials) {
+        material.texture = texture;
+        tables.materials.push_back(material);
+      }
+    }
+    tables.nodes[id].texture_count =
+        static_cast<uint32_t>(tables.node_textures.size()) - tables.nodes[id].first_texture;
+    return Done{};
+  }
+
+  /// From the node's own numbers of its atlas materials to the model's. The positions are on the grid already, so that
+  /// coding them again moves nothing.
+  void renumber(const Place& place, Bytes& bytes) const {
+    Result<Mesh> mesh = decode_mesh(bytes.mesh);
+    if (!mesh.ok()) {
+      bytes.error = mesh.error();
+      return;
+    }
+    for (uint32_t& material : mesh->materials)
+      if (material >= first_atlas_material_) material += bytes.first_material - first_atlas_material_;
+    Result<EncodedMesh> encoded = encode_mesh(*mesh, encode_options(codec_, node(place).step_m));
+    if (!encoded.ok())
+      bytes.error = encoded.error();
+    else
+      bytes.mesh = std::move(encoded->bytes);
+  }
+
+  const TreeUnits& units_;
+  const TextureStore& textures_;
+  GeometryCodec codec_;
+  const WorkFolder& folder_;
+  ModelWriter& writer_;
+  uint32_t first_atlas_material_;
+  std::vector<Place> places_;  ///< by id
+  std::optional<RandomAccessFile> file_;
+  uint32_t open_unit_ = 0;
+};
+
+}  // namespace
+
+Result<ModelTables> assemble_model(const TreeUnits& units, const TextureStore& textures,
+                                   const std::vector<Material>& materials, GeometryCodec codec,
+                                   const WorkFolder& folder, ModelWriter& writer, JobMonitor& monitor) {
+  Assembler assembler(units, textures, materials, codec, folder, writer);
+  PROMENADE_TRY(assembler.add_textures());
+  assembler.order();
+  PROMENADE_TRY(assembler.add_nodes(monitor));
+  return std::move(assembler.tables);
+}
+
+}  // namespace promenade

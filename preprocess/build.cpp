@@ -1,0 +1,246 @@
+#include "preprocess/build.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <system_error>
+
+#include "codec/frame.h"
+#include "preprocess/assemble.h"
+#include "preprocess/byte_io.h"
+#include "preprocess/partition.h"
+
+namespace promenade {
+
+namespace {
+
+constexpr uint32_t kUnitsVersion = 1;  // of the work units' content: a change makes builds begin anew
+
+/// Measures the stages of a build.
+class StageClock {
+ public:
+  explicit StageClock(BuildFigures& figures) : figures_(figures) {}
+  void end(const std::string& stage) {
+    const auto now = std::chrono::steady_clock::now();
+    figures_.stage_wall_s[stage] += std::chrono::duration<double>(now - start_).count();
+    start_ = now;
+  }
+
+ private:
+  BuildFigures& figures_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::filesystem::path beside(const std::filesystem::path& model, const char* ending) {
+  std::filesystem::path path = model.has_filename() ? model : model.parent_path();
+  return path += ending;
+}
+
+Status check_options(const BuildOptions& o) {
+  const auto check = [](const char* name, uint64_t value, uint64_t least, uint64_t most) -> Status {
+    if (value >= least && value <= most) return Done{};
+    return Error{fmt::format("--{} {}: must be between {} and {}", name, value, least, most)};
+  };
+  PROMENADE_TRY(check("node-triangles", o.node_triangles, 100, 60000));
+  PROMENADE_TRY(check("level-factor", o.level_factor, 2, 16));
+  if (o.chunk_triangles != 0) PROMENADE_TRY(check("chunk-triangles", o.chunk_triangles, 1000, 1U << 24));
+  PROMENADE_TRY(check("max-texture", o.max_texture_px, 64, 16384));
+  return check("jpeg-quality", o.jpeg_quality < 0 ? 0U : static_cast<uint32_t>(o.jpeg_quality), 1, 100);
+}
+
+uint64_t tool_hash() {
+  ByteWriter writer;
+  writer.text(PROMENADE_VERSION), writer.value(kUnitsVersion);
+  return checksum(writer.bytes());
+}
+
+/// Everything that the units of partition and tree depend on.
+uint64_t hash_of(const BuildOptions& o, const MemoryBudget& budget, const Survey& survey) {
+  ByteWriter writer;
+  writer.value(tool_hash()), writer.value(survey.hash);
+  writer.value(o.node_triangles), writer.value(o.level_factor), writer.value(o.geometry_codec);
+  writer.value(o.max_texture_px), writer.value(o.jpeg_quality);
+  writer.value(budget.chunk_triangles), writer.value(budget.samples);
+  return checksum(writer.bytes());
+}
+
+/// The grid of all leaves: far below their own detail, at most a millimetre, no finer than single precision.
+float leaf_step_m(const Survey& survey, uint32_t node_triangles) {
+  constexpr double kStepsAcross = 65536;  // of a leaf of average size
+  constexpr double kCoarsest_m = 1.0 / 1024;
+  const double leaves = std::max(1.0, double(survey.triangles) / node_triangles);
+  const double leaf_m = survey.world_box.diagonal() / std::sqrt(leaves);
+  const glm::dvec3 far =
+      glm::max(glm::abs(survey.world_box.min - survey.origin), glm::abs(survey.world_box.max - survey.origin));
+  const double precision_m = std::max({far.x, far.y, far.z}) * std::exp2(-24);
+  const double step_m = std::max({std::min(leaf_m / kStepsAcross, kCoarsest_m), precision_m, 1e-30});
+  return static_cast<float>(std::exp2(std::floor(std::log2(step_m))));
+}
+
+std::map<std::string, std::string> settings_of(const BuildOptions& o, const MemoryBudget& budget) {
+  std::map<std::string, std::string> settings{
+      {"node-triangles", fmt::format("{}", o.node_triangles)},
+      {"level-factor", fmt::format("{}", o.level_factor)},
+      {"geometry-codec", std::string(name_of(o.geometry_codec))},
+      {"max-texture", fmt::format("{}", o.max_texture_px)},
+      {"jpeg-quality", fmt::format("{}", o.jpeg_quality)},
+      {"repair", o.import.repair ? "on" : "off"},
+      {"chunk-triangles", fmt::format("{}", budget.chunk_triangles)},
+  };
+  if (o.import.unit_m) settings["unit"] = fmt::format("{}", *o.import.unit_m);
+  if (o.import.up) settings["up"] = *o.import.up == UpAxis::y ? "y" : "z";
+  return settings;
+}
+
+ModelManifest manifest_of(const BuildOptions& o, const MemoryBudget& budget, const Survey& survey, uint64_t hash) {
+  ModelManifest manifest;
+  manifest.tool_version = PROMENADE_VERSION;
+  manifest.input_hash = hash;
+  manifest.origin = survey.origin;
+  manifest.world_box = survey.world_box;
+  manifest.source_triangles = survey.triangles;
+  manifest.geometry_codec = o.geometry_codec;
+  manifest.settings = settings_of(o, budget);
+  for (const SurveyedPart& part : survey.parts) manifest.sources.push_back(part.part.name);
+  manifest.import_counts = survey.report.counts;
+  manifest.notes = survey.report.warnings;
+  return manifest;
+}
+
+void count_nodes(const ModelTables& tables, BuildFigures& figures) {
+  figures.nodes = tables.nodes.size();
+  for (const NodeRecord& node : tables.nodes) {
+    figures.leaves += node.child_count == 0 ? 1U : 0U;
+    figures.levels = std::max<uint64_t>(figures.levels, node.level + 1);
+    figures.triangles_stored += node.triangles;
+  }
+}
+
+/// What the model takes on disk.
+std::map<std::string, uint64_t> bytes_by_part(const std::filesystem::path& model) {
+  std::map<std::string, uint64_t> bytes;
+  for (const auto& [part, file] : {std::pair("geometry", "geometry.bin"), std::pair("textures", "textures.bin"),
+                                   std::pair("tables", "tables.bin"), std::pair("manifest", "manifest.json")}) {
+    std::error_code code;
+    const uintmax_t size = std::filesystem::file_size(model / file, code);
+    bytes[part] = code ? 0 : size;
+  }
+  return bytes;
+}
+
+/// One build with its lock and its work folder; the stages share what stands here.
+class Build {
+ public:
+  Build(const BuildOptions& options, const MemoryBudget& budget, const WorkFolder& folder, FileSystem& files,
+        JobMonitor& monitor)
+      : options_(options), budget_(budget), folder_(folder), files_(files), monitor_(monitor), clock_(figures_) {}
+
+  Result<BuildFigures> run() {
+    const Result<std::vector<SourcePart>> parts = list_source(options_.sources);
+    if (!parts.ok()) return parts.error();
+    TextureStore textures(folder_, {options_.max_texture_px, options_.jpeg_quality, budget_.textures, tool_hash()});
+    Result<Survey> survey = survey_source(*parts, options_.import, budget_, textures, monitor_);
+    if (!survey.ok()) return survey.error();
+    for (const std::string& warning : survey->report.warnings) monitor_.warning(warning);
+    hash_ = hash_of(options_, budget_, *survey);
+    clock_.end("survey");
+
+    ChunkTree tree = divide_into_chunks(
+        survey->samples,
+        {survey->triangles, budget_.chunk_triangles, options_.node_triangles, options_.level_factor, survey->origin});
+    survey->samples = {};
+    const Result<SpillIndex> spill =
+        partition_source(*survey, tree, options_.import, budget_, folder_, hash_, monitor_);
+    if (!spill.ok()) return spill.error();
+    clock_.end("partition");
+
+    const MaterialBase base(survey->materials.materials());
+    const Result<TreeUnits> units = build_tree_units(*spill, tree, *survey, base, textures);
+    if (!units.ok()) return units.error();
+    clock_.end("simplify");
+
+    count_work(*spill, *units, textures);
+    PROMENADE_TRY(write(*survey, *units, base, textures));
+    clock_.end("write");
+    return std::move(figures_);
+  }
+
+ private:
+  Result<TreeUnits> build_tree_units(const SpillIndex& spill, const ChunkTree& tree, const Survey& survey,
+                                     const MaterialBase& base, const TextureStore& textures) {
+    NodeBuilderOptions options;
+    options.node_triangles = options_.node_triangles;
+    options.codec = options_.geometry_codec;
+    options.leaf_step_m = leaf_step_m(survey, options_.node_triangles);
+    options.jpeg_quality = options_.jpeg_quality;
+    const NodeBuilder builder(base, textures, options);
+    return build_tree(spill, tree, builder, {options_.node_triangles, options_.level_factor, hash_}, budget_, folder_,
+                      monitor_);
+  }
+
+  void count_work(const SpillIndex& spill, const TreeUnits& units, const TextureStore& textures) {
+    figures_.spill_bytes_peak = spill.file_bytes + units.top.payload_bytes;
+    figures_.units_total = textures.size() + (units.top.nodes.empty() ? 0U : 1U);
+    for (const NodeUnit& unit : units.chunks) {
+      figures_.spill_bytes_peak += unit.payload_bytes;
+      figures_.units_total += unit.nodes.empty() ? 0U : 1U;
+    }
+    for (uint32_t i = 0; i < textures.size(); ++i) figures_.spill_bytes_peak += textures[i].bytes;
+    figures_.units_resumed = units.resumed + textures.resumed();
+  }
+
+  Status write(const Survey& survey, const TreeUnits& units, const MaterialBase& base, const TextureStore& textures) {
+    Result<ModelWriter> writer = ModelWriter::create(options_.model, files_);
+    if (!writer.ok()) return writer.error();
+    Result<ModelTables> tables =
+        assemble_model(units, textures, base.materials, options_.geometry_codec, folder_, *writer, monitor_);
+    if (!tables.ok()) return tables.error();
+    count_nodes(*tables, figures_);
+    PROMENADE_TRY(writer->finish(std::move(*tables), manifest_of(options_, budget_, survey, hash_)));
+    figures_.bytes_by_part = bytes_by_part(options_.model);
+    figures_.triangles_in = survey.triangles;
+    figures_.import_counts = survey.report.counts;
+    figures_.warnings = survey.report.warnings;
+    return Done{};
+  }
+
+  const BuildOptions& options_;
+  const MemoryBudget& budget_;
+  const WorkFolder& folder_;
+  FileSystem& files_;
+  JobMonitor& monitor_;
+  BuildFigures figures_;
+  StageClock clock_;
+  uint64_t hash_ = 0;
+};
+
+}  // namespace
+
+Result<BuildFigures> build_model(const BuildOptions& options, JobMonitor& monitor, FileSystem& files) {
+  PROMENADE_TRY(check_options(options));
+  const Result<MemoryBudget> budget = plan_memory(
+      {options.memory_bytes, options.jobs, options.node_triangles, options.level_factor, options.chunk_triangles});
+  if (!budget.ok()) return budget.error();
+  const Result<FileLock> lock =
+      FileLock::acquire(beside(options.model, ".lock"), fmt::format("model {}", options.model.string()));
+  if (!lock.ok()) return lock.error();
+  // Says now what would go wrong at the end: a file in the model's place, a folder that cannot be written to.
+  if (const Result<ModelWriter> writer = ModelWriter::create(options.model, files); !writer.ok()) return writer.error();
+  const Result<WorkFolder> folder = WorkFolder::open(beside(options.model, ".work"), files);
+  if (!folder.ok()) return folder.error();
+
+  // More threads than cores are allowed where they are asked for.
+  const tbb::global_control threads(
+      tbb::global_control::max_allowed_parallelism,
+      std::max<size_t>(budget->jobs, tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
+  tbb::task_arena arena(static_cast<int>(budget->jobs));
+  Result<BuildFigures> figures = arena.execute([&] { return Build(options, *budget, *folder, files, monitor).run(); });
+  if (figures.ok()) PROMENADE_TRY(folder->remove());
+  return figures;
+}
+
+}  // namespace promenade

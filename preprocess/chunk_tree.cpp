@@ -1,0 +1,141 @@
+#include "preprocess/chunk_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <tuple>
+
+namespace promenade {
+
+namespace {
+
+// Leaves are planned a little below their limit, so that the triangles that cutting adds find room.
+constexpr double kFill = 0.9;
+// A plane that would cut more than this share of the triangles cuts none: stacked sheets would multiply without end.
+constexpr double kMostCut = 0.25;
+
+class Divider {
+ public:
+  Divider(const ChunkTreeOptions& options, double triangles_per_sample)
+      : options_(options), triangles_per_sample_(triangles_per_sample) {}
+
+  struct Refs {
+    uint32_t node, plane;
+  };
+
+  Refs divide(std::span<TriangleSample> samples, const Box& cell) {
+    const auto triangles = static_cast<uint64_t>(double(samples.size()) * triangles_per_sample_);
+    if (triangles <= options_.chunk_triangles || samples.size() < 2) {
+      const uint32_t chunk = ChunkTree::kChunk | tree.chunks();
+      tree.chunk_cells.push_back(cell);
+      return {chunk, chunk};
+    }
+    LeafShares shares(triangles, options_.chunk_triangles, options_.level_factor);
+    shares.children = static_cast<uint32_t>(std::min<size_t>(shares.children, samples.size()));
+    const auto branch = static_cast<uint32_t>(tree.branches.size());
+    tree.branches.emplace_back().cell = cell;
+    const uint32_t plane = divide(samples, cell, shares, 0, shares.children, branch);
+    return {branch, plane};
+  }
+
+  ChunkTree tree;
+
+ private:
+  /// The planes between the children [first, last) of a branch.
+  uint32_t divide(std::span<TriangleSample> samples, const Box& cell, const LeafShares& shares, uint32_t first,
+                  uint32_t last, uint32_t branch) {
+    if (last - first == 1) {
+      const Refs child = divide(samples, cell);
+      tree.branches[branch].children.push_back(child.node);
+      return child.plane;
+    }
+    const uint32_t middle = first + (last - first) / 2;
+    size_t rank = samples.size() * shares.leaves_of(first, middle) / shares.leaves_of(first, last);
+    rank = std::clamp<size_t>(rank, middle - first, samples.size() - (last - middle));
+    const auto index = static_cast<uint32_t>(tree.planes.size());
+    tree.planes.push_back(plane_at(samples, rank));
+    Box below_cell = cell, above_cell = cell;
+    if (const ChunkTree::Plane& plane = tree.planes[index]; plane.axis != ChunkTree::kByTurns)
+      below_cell.max[plane.axis] = above_cell.min[plane.axis] = plane.value;
+    const uint32_t below = divide(samples.first(rank), below_cell, shares, first, middle, branch);
+    const uint32_t above = divide(samples.subspan(rank), above_cell, shares, middle, last, branch);
+    tree.planes[index].below = below, tree.planes[index].above = above;
+    return index;
+  }
+
+  /// Orders the samples about the plane and returns it; rank: how many lie below (moved where places coincide).
+  ChunkTree::Plane plane_at(std::span<TriangleSample> samples, size_t& rank) const {
+    DBox box;
+    for (const TriangleSample& s : samples) box.add(s.centroid);
+    const int axis = box.longest_axis();
+    ChunkTree::Plane plane;
+    if (!(box.size()[axis] > 0)) {
+      plane.axis = ChunkTree::kByTurns;
+      rank = samples.size() / 2;
+      return plane;
+    }
+    const auto less = [axis](const TriangleSample& a, const TriangleSample& b) {
+      return std::tie(a.centroid[axis], a.priority) < std::tie(b.centroid[axis], b.priority);
+    };
+    std::sort(samples.begin(), samples.end(), less);
+    rank = between_places(samples, axis, rank);
+    const double value = (samples[rank - 1].centroid[axis] + samples[rank].centroid[axis]) / 2;
+    plane.axis = axis;
+    plane.value = static_cast<float>(value - options_.origin[axis]);
+    const auto triangles = static_cast<uint64_t>(double(samples.size()) * triangles_per_sample_);
+    plane.min_edge_m = shortest_cut_m(box.diagonal(), triangles, options_.node_triangles);
+    size_t cut = 0;
+    for (const TriangleSample& s : samples)
+      if (s.edge_m > plane.min_edge_m && std::abs(s.centroid[axis] - value) < double(s.edge_m) / 2) ++cut;
+    if (double(cut) > kMostCut * double(samples.size())) plane.min_edge_m = std::numeric_limits<float>::max();
+    return plane;
+  }
+
+  /// The rank nearest to the wanted one at which the coordinate changes: a plane can only pass there.
+  static size_t between_places(std::span<const TriangleSample> samples, int axis, size_t wanted) {
+    const auto place = [&](size_t i) { return samples[i].centroid[axis]; };
+    for (size_t by = 0; by < samples.size(); ++by) {
+      if (wanted + by < samples.size() && wanted + by > 0 && place(wanted + by - 1) < place(wanted + by))
+        return wanted + by;
+      if (wanted > by && place(wanted - by - 1) < place(wanted - by)) return wanted - by;
+    }
+    return wanted;
+  }
+
+  const ChunkTreeOptions& options_;
+  double triangles_per_sample_;
+};
+
+}  // namespace
+
+LeafShares::LeafShares(uint64_t triangles, uint32_t leaf_triangles, uint32_t level_factor) {
+  if (triangles <= leaf_triangles) return;
+  leaves = static_cast<uint32_t>(std::max(2.0, std::ceil(double(triangles) / (kFill * leaf_triangles))));
+  children = std::min(leaves, level_factor);
+}
+
+uint32_t LeafShares::leaves_of(uint32_t first, uint32_t last) const {
+  uint32_t sum = 0;
+  for (uint32_t child = first; child < last; ++child) sum += leaves_of(child);
+  return sum;
+}
+
+Box unbounded_cell() {
+  return {glm::vec3(std::numeric_limits<float>::lowest()), glm::vec3(std::numeric_limits<float>::max())};
+}
+
+ChunkTree divide_into_chunks(std::vector<TriangleSample>& samples, const ChunkTreeOptions& options) {
+  Divider divider(options, double(options.triangles) / double(samples.size()));
+  const auto [root, plane] = divider.divide(samples, unbounded_cell());
+  divider.tree.root = root;
+  divider.tree.first_plane = plane;
+  return std::move(divider.tree);
+}
+
+float shortest_cut_m(double extent_m, uint64_t triangles, uint32_t node_triangles) {
+  const double leaves = std::max(1.0, double(triangles) / node_triangles);
+  return static_cast<float>(0.5 * extent_m / std::sqrt(leaves));
+}
+
+}  // namespace promenade

@@ -1,0 +1,72 @@
+#pragma once
+// Where a source is divided into chunks: k-d planes found from a sample of its triangles.
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "geometry/box.h"
+
+namespace promenade {
+
+/// One triangle out of many: all have the same chance, whatever the source's size or order.
+struct TriangleSample {
+  glm::dvec3 centroid{0};  ///< metres, in the world
+  float edge_m = 0;        ///< longest edge
+  uint64_t priority = 0;   ///< the smaller stay
+};
+
+/// How `leaves` leaves are shared out to the children of one node: no child gets more than one leaf more than another.
+struct LeafShares {
+  uint32_t leaves = 1;
+  uint32_t children = 1;
+  LeafShares(uint64_t triangles, uint32_t leaf_triangles, uint32_t level_factor);
+  uint32_t leaves_of(uint32_t child) const { return leaves / children + (child < leaves % children ? 1U : 0U); }
+  /// Leaves of the children [first, last).
+  uint32_t leaves_of(uint32_t first, uint32_t last) const;
+};
+
+/// A tree of planes that ends in chunks, and the tree of nodes above the chunks that follows from it.
+struct ChunkTree {
+  /// A reference with this bit names a chunk, one without it a plane (or a branch).
+  static constexpr uint32_t kChunk = 0x80000000U;
+  static constexpr int32_t kByTurns = 3;  ///< no plane divides the triangles: every other one goes either way
+
+  struct Plane {
+    int32_t axis = 0;  ///< 0, 1, 2 or kByTurns
+    float value = 0;   ///< model space
+    float min_edge_m = 0;
+    uint32_t below = 0, above = 0;
+  };
+  /// A node above the chunks.
+  struct Branch {
+    std::vector<uint32_t> children;
+    Box cell;  ///< between the planes around it; unbounded at the model's edges
+  };
+  std::vector<Plane> planes;
+  uint32_t first_plane = kChunk;
+  std::vector<Branch> branches;
+  uint32_t root = kChunk;
+  std::vector<Box> chunk_cells;
+  uint32_t chunks() const { return static_cast<uint32_t>(chunk_cells.size()); }
+};
+
+/// The cell of a tree's root: everything.
+Box unbounded_cell();
+
+struct ChunkTreeOptions {
+  uint64_t triangles = 0;        ///< of the source
+  uint32_t chunk_triangles = 0;  ///< a chunk's limit, which holds on average
+  uint32_t node_triangles = 0;
+  uint32_t level_factor = 4;
+  glm::dvec3 origin{0};
+};
+
+/// samples: any order (they are reordered); at least one. Deterministic. One thread.
+ChunkTree divide_into_chunks(std::vector<TriangleSample>& samples, const ChunkTreeOptions& options);
+
+/// Edges longer than this are cut by a plane that divides `triangles` triangles spread over `extent_m`: half the size
+/// that their leaves will have, taking the triangles for a surface.
+float shortest_cut_m(double extent_m, uint64_t triangles, uint32_t node_triangles);
+
+}  // namespace promenade

@@ -1,0 +1,355 @@
+#include "preprocess/collapse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "geometry/triangle_frame.h"
+
+namespace promenade {
+
+namespace {
+
+constexpr uint32_t kNone = WorkMesh::kNone;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// A triangle may not turn further than this in one collapse.
+constexpr float kLeastTurnCosine = 0.2F;
+/// A triangle's height over its longest edge: flatter ones may come from no collapse of fatter ones.
+constexpr float kLeastHeight = 1e-3F;
+/// Of a metre that a border between colours or materials moves, to a metre that the surface does.
+constexpr float kSeamWeight = 0.25F;
+/// Of an edge along the cell's face: the neighbouring node ends there too.
+constexpr float kCellBorderWeight = 4;
+/// Of the distance to planes, which overestimates what round shapes lose.
+constexpr float kPlaneWeight = 0.5F;
+/// A metre of edge length: between collapses that cost nothing the shorter goes first, for rounder triangles.
+constexpr float kLengthWeight = 1e-4F;
+
+uint32_t triangle_of(uint32_t corner) { return corner / 3; }
+uint32_t next_corner_in(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+uint32_t previous_corner_in(uint32_t corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
+
+}  // namespace
+
+Collapser::Collapser(WorkMesh& work, const Mesh& source, std::vector<uint8_t> cell_faces)
+    : work_(work),
+      source_(source),
+      cell_faces_(std::move(cell_faces)),
+      locked_(work.place_count(), 0),
+      normals_(work.triangle_count()),
+      points_(work.positions),
+      next_point_(work.place_count(), kNone),
+      first_point_(work.triangle_count(), kNone),
+      seen_at_(work.place_count(), 0),
+      seen_in_(work.place_count(), 0) {
+  for (uint32_t t = 0; t < work.triangle_count(); ++t) set_normal(t);
+  for (uint32_t p = 0; p < work.place_count(); ++p) {
+    if (work.first_corner[p] == kNone) continue;
+    const uint32_t t = triangle_of(work.first_corner[p]);
+    next_point_[p] = first_point_[t];
+    first_point_[t] = p;
+  }
+}
+
+void Collapser::set_normal(uint32_t triangle) {
+  const uint32_t c = triangle * 3;
+  const glm::vec3 cross = glm::cross(work_.at(c + 1) - work_.at(c), work_.at(c + 2) - work_.at(c));
+  const float length = glm::length(cross);
+  normals_[triangle] = length > 0 ? cross / length : glm::vec3(0);
+}
+
+void Collapser::find_ring(uint32_t place) {
+  ring_.clear();
+  ++walk_;
+  for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c]) {
+    const uint32_t t = triangle_of(c);
+    if (work_.alive[t] == 0) continue;
+    for (const uint32_t other : {work_.place[next_corner_in(c)], work_.place[previous_corner_in(c)]}) {
+      if (seen_in_[other] != walk_) {
+        seen_in_[other] = walk_;
+        seen_at_[other] = static_cast<uint32_t>(ring_.size());
+        ring_.push_back({other, c, 1, 0});
+        continue;
+      }
+      Neighbour& known = ring_[seen_at_[other]];
+      ++known.triangles;
+      if (!source_.materials.empty() && source_.materials[work_.source_triangle[t]] !=
+                                            source_.materials[work_.source_triangle[triangle_of(known.corner)]])
+        known.contrast = 1;
+      if (!source_.colors.empty())
+        known.contrast = std::max(known.contrast, color_contrast(source_.colors[work_.attributes[c]],
+                                                                 source_.colors[work_.attributes[known.corner]]));
+    }
+  }
+}
+
+void Collapser::find_lines(uint32_t place) {
+  lines_.clear();
+  for (const Neighbour& n : ring_) {
+    float weight = n.contrast * kSeamWeight;
+    if (n.triangles == 1) weight = (cell_faces_[place] & cell_faces_[n.place]) != 0 ? kCellBorderWeight : 1.0F;
+    if (weight <= 0) continue;
+    const glm::vec3 along = work_.positions[n.place] - work_.positions[place];
+    const float length = glm::length(along);
+    if (length > 0) lines_.push_back({along / length, weight});
+  }
+}
+
+float Collapser::estimate_to(uint32_t place, uint32_t target) const {
+  const glm::vec3 step = work_.positions[target] - work_.positions[place];
+  const float length2 = glm::dot(step, step);
+  float planes = 0;
+  for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c])
+    if (work_.alive[triangle_of(c)] != 0) planes = std::max(planes, std::abs(glm::dot(normals_[triangle_of(c)], step)));
+  float lines2 = 0;
+  for (const Line& line : lines_) {
+    const float along = glm::dot(line.direction, step);
+    lines2 = std::max(lines2, (length2 - along * along) * line.weight * line.weight);
+  }
+  return std::max(planes * kPlaneWeight, std::sqrt(lines2)) + kLengthWeight * std::sqrt(length2);
+}
+
+float Collapser::estimate(uint32_t place) {
+  if (locked_[place] != 0) return kInfinity;
+  find_ring(place);
+  find_lines(place);
+  float least = kInfinity;
+  for (const Neighbour& n : ring_) least = std::min(least, estimate_to(place, n.place));
+  return least;
+}
+
+Collapser::Choice Collapser::choose(uint32_t place, float limit_m) {
+  Choice best;
+  if (locked_[place] != 0) return best;
+  find_ring(place);
+  find_lines(place);
+  choices_.clear();
+  for (const Neighbour& n : ring_) choices_.push_back({n.place, estimate_to(place, n.place)});
+  std::sort(choices_.begin(), choices_.end(), [](const Choice& a, const Choice& b) {
+    return a.cost_m != b.cost_m ? a.cost_m < b.cost_m : a.target < b.target;
+  });
+  for (const Choice& choice : choices_) {
+    if (best.target != kNone && choice.cost_m >= best.cost_m) break;
+    if (!is_sound(place, choice.target)) continue;
+    const float limit = best.target == kNone ? limit_m : std::min(limit_m, best.cost_m);
+    const float cost = std::max(choice.cost_m, measure(place, choice.target, limit, moved_));
+    if (best.target != kNone && cost >= best.cost_m) continue;
+    best = {choice.target, cost};
+    best_moved_.swap(moved_);
+  }
+  return best;
+}
+
+bool Collapser::is_sound(uint32_t place, uint32_t target) const {
+  if (flips_allowed_) return true;
+  const glm::vec3 from = work_.positions[place];
+  const glm::vec3 to = work_.positions[target];
+  for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c]) {
+    if (work_.alive[triangle_of(c)] == 0) continue;
+    const uint32_t next = work_.place[next_corner_in(c)], previous = work_.place[previous_corner_in(c)];
+    if (next == target || previous == target) continue;
+    const glm::vec3 a = work_.positions[next], b = work_.positions[previous];
+    const glm::vec3 before = glm::cross(a - from, b - from), after = glm::cross(a - to, b - to);
+    const float before2 = glm::dot(before, before), after2 = glm::dot(after, after);
+    const float ab2 = glm::dot(a - b, a - b);
+    const float edge2 = std::max({ab2, glm::dot(a - to, a - to), glm::dot(b - to, b - to)});
+    const float old_edge2 = std::max({ab2, glm::dot(a - from, a - from), glm::dot(b - from, b - from)});
+    constexpr float kLeast = kLeastHeight * kLeastHeight;
+    if (before2 <= kLeast * old_edge2 * old_edge2) continue;  // a sliver before: any turn is as good
+    if (after2 <= kLeast * edge2 * edge2) return false;
+    if (glm::dot(before, after) < kLeastTurnCosine * std::sqrt(before2 * after2)) return false;
+  }
+  return true;
+}
+
+uint32_t Collapser::triangles_between(uint32_t place, uint32_t target) const {
+  uint32_t count = 0;
+  for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c])
+    if (work_.alive[triangle_of(c)] != 0 &&
+        (work_.place[next_corner_in(c)] == target || work_.place[previous_corner_in(c)] == target))
+      ++count;
+  return count;
+}
+
+const std::vector<uint32_t>& Collapser::ring_of(uint32_t place) {
+  find_ring(place);
+  ring_places_.clear();
+  for (const Neighbour& n : ring_) ring_places_.push_back(n.place);
+  return ring_places_;
+}
+
+void Collapser::add_candidate(uint32_t triangle, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const size_t lane = candidates_.size() % kLanes;
+  if (lane == 0) frames_.emplace_back();
+  Frames& f = frames_.back();
+  candidates_.push_back(triangle);
+  const glm::vec3 base = b - a, apex = c - a;
+  const float base2 = glm::dot(base, base), length = std::sqrt(base2);
+  const glm::vec3 x = length > 0 ? base / length : glm::vec3(1, 0, 0);
+  const float apex_x = glm::dot(apex, x);
+  const glm::vec3 across = apex - apex_x * x;
+  const float apex_y = glm::length(across);
+  const bool flat = apex_y <= 1e-6F * length;  // the subtraction leaves noise
+  const glm::vec3 any = std::abs(x.x) < 0.6F ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  const glm::vec3 y = flat ? glm::normalize(glm::cross(x, any)) : across / apex_y;
+  const glm::vec3 z = glm::cross(x, y);
+  const float left2 = glm::dot(apex, apex), right2 = glm::dot(c - b, c - b);
+  for (size_t i = lane; i < kLanes; ++i) {  // spare lanes repeat the last triangle
+    f.origin_x[i] = a.x, f.origin_y[i] = a.y, f.origin_z[i] = a.z;
+    f.x_x[i] = x.x, f.x_y[i] = x.y, f.x_z[i] = x.z;
+    f.y_x[i] = y.x, f.y_y[i] = y.y, f.y_z[i] = y.z;
+    f.z_x[i] = z.x, f.z_y[i] = z.y, f.z_z[i] = z.z;
+    f.base[i] = length, f.apex_x[i] = apex_x, f.apex_y[i] = flat ? 0 : apex_y;
+    f.inverse_left2[i] = left2 > 0 ? 1 / left2 : 0;
+    f.inverse_right2[i] = right2 > 0 ? 1 / right2 : 0;
+  }
+}
+
+void Collapser::gather_candidates(uint32_t place, uint32_t target) {
+  frames_.clear();
+  candidates_.clear();
+  for (const uint32_t middle : {place, target})
+    for (uint32_t c = work_.first_corner[middle]; c != kNone; c = work_.next_corner[c]) {
+      if (work_.alive[triangle_of(c)] == 0) continue;
+      const uint32_t next = work_.place[next_corner_in(c)], previous = work_.place[previous_corner_in(c)];
+      const uint32_t other = middle == place ? target : place;
+      if (next == other || previous == other) continue;  // goes
+      add_candidate(triangle_of(c), work_.positions[target], work_.positions[next], work_.positions[previous]);
+    }
+}
+
+Collapser::Moved Collapser::nearest_candidate(uint32_t point, float& distance2) const {
+  const glm::vec3 p = points_[point];
+  const Lanes px = _mm_set1_ps(p.x), py = _mm_set1_ps(p.y), pz = _mm_set1_ps(p.z);
+  Moved best{point, kNone};
+  distance2 = kInfinity;
+  for (size_t g = 0; g < frames_.size(); ++g) {
+    const Frames& f = frames_[g];
+    const Lanes x = px - _mm_load_ps(f.origin_x), y = py - _mm_load_ps(f.origin_y), z = pz - _mm_load_ps(f.origin_z);
+    const Lanes d2 = distance2_in_frame(x * _mm_load_ps(f.x_x) + y * _mm_load_ps(f.x_y) + z * _mm_load_ps(f.x_z),
+                                        x * _mm_load_ps(f.y_x) + y * _mm_load_ps(f.y_y) + z * _mm_load_ps(f.y_z),
+                                        x * _mm_load_ps(f.z_x) + y * _mm_load_ps(f.z_y) + z * _mm_load_ps(f.z_z),
+                                        _mm_load_ps(f.base), _mm_load_ps(f.apex_x), _mm_load_ps(f.apex_y),
+                                        _mm_load_ps(f.inverse_left2), _mm_load_ps(f.inverse_right2));
+    if (_mm_movemask_ps(_mm_cmplt_ps(d2, _mm_set1_ps(distance2))) == 0) continue;
+    alignas(16) float lanes[kLanes];
+    _mm_store_ps(lanes, d2);
+    for (size_t i = 0; i < kLanes; ++i)
+      if (lanes[i] < distance2) {
+        distance2 = lanes[i];
+        best.triangle = candidates_[std::min(g * kLanes + i, candidates_.size() - 1)];
+      }
+  }
+  return best;
+}
+
+float Collapser::measure(uint32_t place, uint32_t target, float limit_m, std::vector<Moved>& moved) {
+  gather_candidates(place, target);
+  moved.clear();
+  if (candidates_.empty()) return kInfinity;
+  const float limit2 = limit_m * limit_m;
+  float farthest2 = 0;
+  for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c]) {
+    if (work_.alive[triangle_of(c)] == 0) continue;
+    for (uint32_t p = first_point_[triangle_of(c)]; p != kNone; p = next_point_[p]) {
+      float distance2 = 0;
+      moved.push_back(nearest_candidate(p, distance2));
+      farthest2 = std::max(farthest2, distance2);
+      if (farthest2 > limit2) return std::sqrt(farthest2);
+    }
+  }
+  return std::sqrt(farthest2);
+}
+
+void Collapser::attach(uint32_t point, uint32_t triangle) {
+  next_point_[point] = first_point_[triangle];
+  first_point_[triangle] = point;
+}
+
+void Collapser::add_point(const glm::vec3& point, uint32_t place) {
+  frames_.clear();
+  candidates_.clear();
+  for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c])
+    if (work_.alive[triangle_of(c)] != 0)
+      add_candidate(triangle_of(c), work_.positions[place], work_.positions[work_.place[next_corner_in(c)]],
+                    work_.positions[work_.place[previous_corner_in(c)]]);
+  if (candidates_.empty()) return;
+  points_.push_back(point);
+  next_point_.push_back(kNone);
+  float distance2 = 0;
+  const Moved nearest = nearest_candidate(static_cast<uint32_t>(points_.size() - 1), distance2);
+  attach(nearest.point, nearest.triangle);
+}
+
+void Collapser::points_on(uint32_t triangle, std::vector<glm::vec3>& points) const {
+  for (uint32_t p = first_point_[triangle]; p != kNone; p = next_point_[p]) points.push_back(points_[p]);
+}
+
+void Collapser::unlink_dead(uint32_t place) {
+  uint32_t* link = &work_.first_corner[place];
+  while (*link != kNone) {
+    if (work_.alive[triangle_of(*link)] == 0)
+      *link = work_.next_corner[*link];
+    else
+      link = &work_.next_corner[*link];
+  }
+}
+
+/// The triangle that lies where the corner's would, moved to `target`, in the same turn; kNone: there is none.
+uint32_t Collapser::find_twin(uint32_t corner, uint32_t target) const {
+  const uint32_t next = work_.place[next_corner_in(corner)];
+  const uint32_t previous = work_.place[previous_corner_in(corner)];
+  for (uint32_t c = work_.first_corner[target]; c != kNone; c = work_.next_corner[c])
+    if (work_.place[next_corner_in(c)] == next && work_.place[previous_corner_in(c)] == previous) return triangle_of(c);
+  return kNone;
+}
+
+void Collapser::collapse(uint32_t place, uint32_t target) {
+  // Along the triangles that go, attributes of the place lead over to those of the target on the same side of a seam.
+  leads_.clear();
+  for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c]) {
+    if (work_.alive[triangle_of(c)] == 0) continue;
+    first_point_[triangle_of(c)] = kNone;
+    for (const uint32_t other : {next_corner_in(c), previous_corner_in(c)}) {
+      if (work_.place[other] != target) continue;
+      work_.kill(triangle_of(c));
+      leads_.push_back({work_.attributes[c], work_.attributes[other]});
+    }
+  }
+  unlink_dead(target);
+  twins_.clear();
+  for (uint32_t c = work_.first_corner[place]; c != kNone;) {
+    const uint32_t next = work_.next_corner[c];
+    if (work_.alive[triangle_of(c)] != 0) move_corner(c, target);
+    c = next;
+  }
+  work_.first_corner[place] = kNone;
+  work_.merged_into[place] = target;
+  for (const Moved& m : best_moved_) {
+    uint32_t triangle = m.triangle;
+    for (const auto& [gone, twin] : twins_)
+      if (triangle == gone) triangle = twin;
+    attach(m.point, triangle);
+  }
+}
+
+void Collapser::move_corner(uint32_t corner, uint32_t target) {
+  const uint32_t triangle = triangle_of(corner);
+  if (const uint32_t twin = find_twin(corner, target); twin != kNone) {
+    work_.kill(triangle);
+    twins_.push_back({triangle, twin});
+    return;
+  }
+  for (const auto& [from, to] : leads_)
+    if (from == work_.attributes[corner]) {
+      work_.attributes[corner] = to;
+      break;
+    }
+  work_.place[corner] = target;
+  work_.next_corner[corner] = work_.first_corner[target];
+  work_.first_corner[target] = corner;
+  set_normal(triangle);
+}
+
+}  // namespace promenade

@@ -1,0 +1,123 @@
+#pragma once
+// Edge collapse: the cheapest way to move one place onto a neighbouring one, its cost measured.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "preprocess/work_mesh.h"
+
+namespace promenade {
+
+/// Half-edge collapses on a work mesh: a place goes, its triangles move to a neighbour. What remains are the source's
+/// own places, so flat walls stay flat, corners sharp and attributes exact.
+///
+/// Costs are distances in metres, in two steps. The estimate looks at planes: how far the target lies from those of the
+/// triangles that move, and from the lines of open edges and of edges where material or colour changes. The measurement
+/// looks at points: every place of the source is kept as a point on the triangle nearest to it, and a collapse costs
+/// the largest distance at which it leaves a point from the triangles around. So errors never add up unseen, as they do
+/// in quadrics, and planes that are gone forbid nothing.
+class Collapser {
+ public:
+  /// cell_faces: of each place, bits of the cell's faces that it lies on: edges along a face are held in it firmly.
+  Collapser(WorkMesh& work, const Mesh& source, std::vector<uint8_t> cell_faces);
+
+  /// Of each place: those never go, but others may go onto them.
+  void set_locked(std::vector<uint8_t> locked) { locked_ = std::move(locked); }
+  /// Whether triangles may turn over: for when nothing else is left.
+  void allow_flips(bool allowed) { flips_allowed_ = allowed; }
+
+  /// Estimate for the cheapest target of a place, in metres; infinite if it cannot go. Looks at planes only.
+  float estimate(uint32_t place);
+
+  struct Choice {
+    uint32_t target = WorkMesh::kNone;  ///< kNone: the place cannot go
+    float cost_m = 0;                   ///< measured; at least this, where it is over the limit
+  };
+  /// The target at which no triangle flips and the measured cost is least. Stops looking closer at costs over
+  /// `limit_m`.
+  Choice choose(uint32_t place, float limit_m);
+
+  /// Triangles that a collapse would take away.
+  uint32_t triangles_between(uint32_t place, uint32_t target) const;
+
+  /// Does what choose() chose last, for the same place.
+  void collapse(uint32_t place, uint32_t target);
+
+  /// Places that share a triangle with this one, each once. Valid until the next call of anything here.
+  const std::vector<uint32_t>& ring_of(uint32_t place);
+
+  /// Gives a point to the triangle nearest to it around a place. It counts in later costs.
+  void add_point(const glm::vec3& point, uint32_t place);
+
+  /// The points on a triangle: appended to `points`.
+  void points_on(uint32_t triangle, std::vector<glm::vec3>& points) const;
+
+ private:
+  static constexpr size_t kLanes = 4;
+  /// Four triangles in frames of their own, as in ClosestPointTree.
+  struct alignas(16) Frames {
+    float origin_x[kLanes], origin_y[kLanes], origin_z[kLanes];
+    float x_x[kLanes], x_y[kLanes], x_z[kLanes];
+    float y_x[kLanes], y_y[kLanes], y_z[kLanes];
+    float z_x[kLanes], z_y[kLanes], z_z[kLanes];
+    float base[kLanes], apex_x[kLanes], apex_y[kLanes], inverse_left2[kLanes], inverse_right2[kLanes];
+  };
+  /// A line that the place had better not leave.
+  struct Line {
+    glm::vec3 direction;
+    float weight;
+  };
+  struct Neighbour {
+    uint32_t place;
+    uint32_t corner;  // of the place in the middle, in one triangle with the neighbour
+    uint32_t triangles;
+    float contrast;
+  };
+
+  void find_ring(uint32_t place);
+  void find_lines(uint32_t place);
+  float estimate_to(uint32_t place, uint32_t target) const;
+  bool is_sound(uint32_t place, uint32_t target) const;
+  uint32_t find_twin(uint32_t corner, uint32_t target) const;
+  void move_corner(uint32_t corner, uint32_t target);
+  void unlink_dead(uint32_t place);
+  void set_normal(uint32_t triangle);
+
+  struct Moved {
+    uint32_t point;
+    uint32_t triangle;
+  };
+  /// Largest distance of the points around `place` to what the collapse would leave; stops over the limit.
+  float measure(uint32_t place, uint32_t target, float limit_m, std::vector<Moved>& moved);
+  void gather_candidates(uint32_t place, uint32_t target);
+  void add_candidate(uint32_t triangle, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+  Moved nearest_candidate(uint32_t point, float& distance2) const;
+  void attach(uint32_t point, uint32_t triangle);
+
+  WorkMesh& work_;
+  const Mesh& source_;
+  std::vector<uint8_t> cell_faces_;
+  std::vector<uint8_t> locked_;
+  std::vector<glm::vec3> normals_;  // of each triangle; 0 where it has none
+  std::vector<glm::vec3> points_;
+  std::vector<uint32_t> next_point_;
+  std::vector<uint32_t> first_point_;  // of each triangle
+  bool flips_allowed_ = false;
+
+  // Scratch, kept to spare allocations.
+  std::vector<uint32_t> seen_at_;  // of each place: its index in ring_, if the mark is the current walk's
+  std::vector<uint32_t> seen_in_;
+  uint32_t walk_ = 0;
+  std::vector<Neighbour> ring_;
+  std::vector<uint32_t> ring_places_;
+  std::vector<Line> lines_;
+  std::vector<Choice> choices_;
+  std::vector<Frames> frames_;
+  std::vector<uint32_t> candidates_;
+  std::vector<Moved> moved_, best_moved_;
+  std::vector<std::array<uint32_t, 2>> leads_;  // attributes of the place, those of the target
+  std::vector<std::array<uint32_t, 2>> twins_;  // triangles gone, and those that lie there
+};
+
+}  // namespace promenade

@@ -1,0 +1,289 @@
+#include "preprocess/node_builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "codec/image_codec.h"
+#include "preprocess/bake.h"
+#include "preprocess/node_mesh.h"
+#include "preprocess/simplify.h"
+
+namespace promenade {
+
+namespace {
+
+constexpr uint32_t kLocalTexture = 0x80000000U;  // a child's atlas rather than a shared texture
+constexpr double kStepShare = 1.0 / 8;           // of a node's error that its grid is wide: adds a tenth to the error
+// A point lies at most half a texel's diagonal from the texel's centre.
+constexpr double kTexelReach = 0.7072;
+constexpr int kMostSteps = 64;  // doublings of the grid until a mesh fits: more than any float needs
+
+double power_of_two_below(double value) { return std::exp2(std::floor(std::log2(value))); }
+
+float rounded_up(double value) {
+  const auto rounded = static_cast<float>(value);
+  return double(rounded) >= value ? rounded : std::nextafter(rounded, std::numeric_limits<float>::max());
+}
+
+/// What single precision may have moved a point when it was placed in the model.
+double rounding_m(const Mesh& mesh) {
+  const Box box = bounds(mesh);
+  double farthest = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    farthest = std::max({farthest, std::abs(double(box.min[axis])), std::abs(double(box.max[axis]))});
+  return farthest * std::sqrt(3.0) * std::exp2(-24);
+}
+
+/// The cell with its open sides moved to where they are certainly outside of the mesh.
+Box bounded(const Box& cell, const Mesh& mesh) {
+  const Box box = bounds(mesh);
+  const Box around = box.grown(box.diagonal());
+  return {glm::max(cell.min, around.min), glm::min(cell.max, around.max)};
+}
+
+}  // namespace
+
+MaterialBase::MaterialBase(std::vector<Material> source) : materials(std::move(source)) {
+  for (uint32_t i = 0; i < kPlain; ++i) {
+    Material plain_material;
+    plain_material.two_sided = (i & 1) != 0;
+    plain_material.alpha = (i & 2) != 0 ? AlphaMode::blend : AlphaMode::opaque;
+    materials.push_back(plain_material);
+  }
+}
+
+uint32_t MaterialBase::plain(bool two_sided, bool see_through) const {
+  return size() - kPlain + (two_sided ? 1U : 0U) + (see_through ? 2U : 0U);
+}
+
+GeometryEncodeOptions encode_options(GeometryCodec codec, float step_m) {
+  GeometryEncodeOptions options;
+  options.codec = step_m > 0 ? codec : GeometryCodec::raw;
+  if (options.codec != GeometryCodec::raw) options.position_step_m = step_m;
+  return options;
+}
+
+/// The children's surfaces together.
+struct NodeBuilder::Merged {
+  Mesh mesh;
+  std::vector<Material> materials;                    ///< the base, then all children's atlas materials
+  std::vector<std::shared_ptr<const Image>> atlases;  ///< kLocalTexture | index
+  bool textured = false;
+};
+
+bool NodeBuilder::is_textured(uint32_t material) const {
+  return material >= base_.size() || base_.materials[material].texture != kNoTexture;
+}
+
+bool NodeBuilder::is_two_sided(uint32_t material, std::span<const Material> atlas_materials) const {
+  return material < base_.size() ? base_.materials[material].two_sided
+                                 : atlas_materials[material - base_.size()].two_sided;
+}
+
+Result<BuiltNode> NodeBuilder::leaf(Mesh mesh) const {
+  const auto textured = [this](uint32_t m) { return is_textured(m); };
+  drop_idle_attributes(mesh, textured);
+  BuiltNode node;
+  NodeSurface& surface = node.surface;
+  surface.error_m = surface.p99_m = rounding_m(mesh);
+  surface.texture_error_m = leaf_texels(mesh, surface);
+  for (const uint32_t material : materials_of(mesh))
+    if (is_textured(material)) node.stored.textures.push_back(base_.materials[material].texture);
+  std::sort(node.stored.textures.begin(), node.stored.textures.end());
+  const auto last = std::unique(node.stored.textures.begin(), node.stored.textures.end());
+  node.stored.textures.erase(last, node.stored.textures.end());
+  PROMENADE_TRY(store(mesh, double(options_.leaf_step_m), {}, node));
+  fold_colors(mesh, base_.materials, [this](uint32_t m) {
+    const Material& material = base_.materials[m];
+    return material.texture != kNoTexture ? m : base_.plain(material.two_sided, material.alpha == AlphaMode::blend);
+  });
+  drop_idle_attributes(mesh, textured);
+  surface.mesh = std::move(mesh);
+  return node;
+}
+
+/// The finest picture's texel goes to the surface; returns what making pictures smaller has cost.
+double NodeBuilder::leaf_texels(const Mesh& mesh, NodeSurface& surface) const {
+  double error_m = 0;
+  for (const uint32_t material : materials_of(mesh)) {
+    if (!is_textured(material)) continue;
+    const StoredTexture& texture = textures_[base_.materials[material].texture];
+    const double texel_m = texel_size_m(mesh, material, texture.width, texture.height);
+    if (texture.reduction > 1) error_m = std::max(error_m, kTexelReach * texel_m);
+    if (texel_m > 0 && (surface.texel_m == 0 || texel_m < double(surface.texel_m)))
+      surface.texel_m = static_cast<float>(texel_m);
+  }
+  return error_m;
+}
+
+NodeBuilder::Merged NodeBuilder::merge(std::span<const NodeSurface> children) const {
+  Merged merged;
+  merged.materials = base_.materials;
+  for (const NodeSurface& child : children) {
+    const auto offset = static_cast<uint32_t>(merged.materials.size()) - base_.size();
+    Mesh mesh = child.mesh;
+    for (uint32_t& material : mesh.materials) {
+      merged.textured = merged.textured || is_textured(material);
+      if (material >= base_.size()) material += offset;
+    }
+    append(merged.mesh, mesh);
+    for (Material material : child.atlas_materials) {
+      material.texture = kLocalTexture | static_cast<uint32_t>(merged.atlases.size());
+      merged.materials.push_back(material);
+    }
+    if (child.atlas) merged.atlases.push_back(child.atlas);
+  }
+  return merged;
+}
+
+Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, const Box& cell) const {
+  BuiltNode node;
+  NodeSurface& surface = node.surface;
+  for (const NodeSurface& child : children) {
+    surface.error_m = std::max(surface.error_m, child.error_m);
+    surface.p99_m = std::max(surface.p99_m, child.p99_m);
+    surface.texture_error_m = std::max(surface.texture_error_m, child.texture_error_m);
+    if (child.texel_m > 0 && (surface.texel_m == 0 || child.texel_m < surface.texel_m)) surface.texel_m = child.texel_m;
+  }
+  const Merged merged = merge(children);
+  Mesh bare = merged.mesh;
+  bare.texcoords.clear();
+  for (uint32_t& material : bare.materials) {
+    const bool see_through =
+        material < base_.size() && !is_textured(material) && base_.materials[material].alpha == AlphaMode::blend;
+    material = base_.plain(merged.materials[material].two_sided, see_through);
+  }
+  if (bare.triangle_count() > options_.node_triangles) {
+    SimplifyOptions simplify_options;
+    simplify_options.target_triangles = options_.node_triangles;
+    simplify_options.cell = bounded(cell, bare);
+    surface.mesh = simplify(bare, simplify_options);
+    if (surface.mesh.indices.empty())
+      return Error{"simplification left no triangle: please report this with the source"};
+    const SurfaceDistance distance = surface_distance(bare, surface.mesh);
+    surface.error_m += double(distance.bound_m);
+    surface.p99_m += double(distance.p99_m);
+  } else {
+    surface.mesh = std::move(bare);
+  }
+  if (merged.textured) PROMENADE_TRY(bake(merged, node));
+  const double error_m = surface.error_m + surface.texture_error_m;
+  const double step_m = error_m > 0 ? power_of_two_below(error_m * kStepShare) : 0;
+  PROMENADE_TRY(store(surface.mesh, std::max(step_m, double(options_.leaf_step_m)), children, node));
+  return node;
+}
+
+/// Gives the node an atlas of its own.
+Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
+  NodeSurface& surface = node.surface;
+  BakeOptions options;
+  // Half the error shows as half a pixel; finer than the source would add nothing.
+  options.texel_m = std::max({surface.error_m / 2, double(surface.texel_m), 1e-6});
+  options.max_side_px = options_.max_atlas_px;
+  std::map<uint32_t, std::shared_ptr<const Image>> pictures;
+  AlphaMode see_through = AlphaMode::mask;
+  for (const uint32_t m : materials_of(merged.mesh)) {
+    const Material& material = merged.materials[m];
+    if (material.alpha == AlphaMode::blend) see_through = AlphaMode::blend;
+    if (material.texture == kNoTexture) continue;
+    if ((material.texture & kLocalTexture) != 0) {
+      pictures[material.texture] = merged.atlases[material.texture & ~kLocalTexture];
+      continue;
+    }
+    // No more pixels than the atlas can show: twice as fine as its texels.
+    const StoredTexture& stored = textures_[material.texture];
+    const double texel_m = texel_size_m(merged.mesh, m, stored.width, stored.height);
+    const double halvings = texel_m > 0 ? std::log2(options.texel_m / (2 * texel_m)) : 0;
+    const auto level = static_cast<uint32_t>(std::clamp(halvings, 0.0, 16.0));
+    Result<std::shared_ptr<const Image>> image = textures_.image(material.texture, level);
+    if (!image.ok()) return image.error();
+    std::shared_ptr<const Image>& kept = pictures[material.texture];
+    if (!kept || (*image)->pixels.size() > kept->pixels.size()) kept = *image;
+  }
+  const auto picture = [&](uint32_t texture) -> const Image* {
+    const auto found = pictures.find(texture);
+    return found == pictures.end() ? nullptr : found->second.get();
+  };
+  Result<BakedMesh> baked = bake_atlas(surface.mesh, merged.mesh, merged.materials, picture, options);
+  if (!baked.ok()) return baked.error();
+  Material atlas_material;
+  atlas_material.wrap_u = atlas_material.wrap_v = Wrap::clamp;
+  atlas_material.alpha = baked->has_opacity ? see_through : AlphaMode::opaque;
+  baked->mesh.materials.resize(surface.mesh.materials.size());
+  for (size_t t = 0; t < surface.mesh.materials.size(); ++t) {
+    atlas_material.two_sided = base_.materials[surface.mesh.materials[t]].two_sided;
+    auto place = std::find(surface.atlas_materials.begin(), surface.atlas_materials.end(), atlas_material);
+    if (place == surface.atlas_materials.end()) place = surface.atlas_materials.insert(place, atlas_material);
+    baked->mesh.materials[t] = base_.size() + static_cast<uint32_t>(place - surface.atlas_materials.begin());
+  }
+  Result<std::vector<std::byte>> encoded =
+      encode_image(baked->atlas, baked->has_opacity ? ImageFormat::png : ImageFormat::jpeg, options_.jpeg_quality);
+  if (!encoded.ok()) return encoded.error();
+  surface.mesh = std::move(baked->mesh);
+  surface.texture_error_m += kTexelReach * baked->texel_m;
+  surface.texel_m = static_cast<float>(baked->texel_m);
+  node.stored.atlas = std::move(*encoded);
+  node.stored.atlas_record.width = baked->atlas.width, node.stored.atlas_record.height = baked->atlas.height;
+  node.stored.atlas_record.flags = TextureRecord::kAtlas | (baked->has_opacity ? TextureRecord::kHasOpacity : 0U);
+  node.stored.atlas_materials = surface.atlas_materials;
+  surface.atlas = std::make_shared<const Image>(std::move(baked->atlas));
+  return Done{};
+}
+
+Status NodeBuilder::encode(const Mesh& mesh, double step_m, StoredNode& stored, float& error_m) const {
+  std::string why;
+  for (int i = 0; i < kMostSteps; ++i, step_m *= 2) {
+    stored.step_m = static_cast<float>(step_m);
+    Result<EncodedMesh> encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
+    if (encoded.ok() && encoded->triangles == 0) {  // smaller than any grid, and yet a node needs a box
+      stored.step_m = 0;
+      encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
+    }
+    if (encoded.ok()) {
+      stored.mesh = std::move(encoded->bytes);
+      error_m = encoded->position_error_m;
+      return Done{};
+    }
+    why = encoded.error().message;
+  }
+  return Error{fmt::format("a node's mesh cannot be coded: {}", why)};
+}
+
+/// Codes the mesh and records what a reader will see of it, the children's extents included.
+Status NodeBuilder::store(const Mesh& mesh, double step_m, std::span<const NodeSurface> children,
+                          BuiltNode& node) const {
+  float coding_error_m = 0;
+  PROMENADE_TRY(encode(mesh, step_m, node.stored, coding_error_m));
+  const Result<Mesh> decoded = decode_mesh(node.stored.mesh);
+  if (!decoded.ok()) return Error{fmt::format("a node's mesh cannot be read back: {}", decoded.error().message)};
+  NodeRecord& record = node.stored.record;
+  NodeSurface& surface = node.surface;
+  record.box = bounds(*decoded);
+  record.cone = normal_cone(*decoded);
+  for (const uint32_t m : materials_of(*decoded))
+    if (is_two_sided(m, node.stored.atlas_materials)) record.cone.cos_angle = -1;
+  record.average_normal = average_normal(*decoded);
+  record.surface_m2 = static_cast<float>(surface_area_m2(*decoded));
+  record.triangles = static_cast<uint32_t>(decoded->triangle_count());
+  record.vertices = static_cast<uint32_t>(decoded->vertex_count());
+  for (size_t t = 0; t < decoded->triangle_count(); ++t)
+    record.textured_triangles += is_textured(decoded->material_of(t)) ? 1U : 0U;
+  record.error_m = rounded_up(surface.error_m + surface.texture_error_m + double(coding_error_m));
+  record.error_p99_m = rounded_up(surface.p99_m + surface.texture_error_m + double(coding_error_m));
+  for (const NodeSurface& child : children) {
+    record.box.add(child.box);
+    record.cone = merged(record.cone, child.cone);
+    record.error_m = std::max(record.error_m, child.stored_error_m);
+    record.error_p99_m = std::max(record.error_p99_m, child.stored_p99_m);
+  }
+  record.error_p99_m = std::min(record.error_p99_m, record.error_m);
+  surface.box = record.box, surface.cone = record.cone;
+  surface.stored_error_m = record.error_m, surface.stored_p99_m = record.error_p99_m;
+  return Done{};
+}
+
+}  // namespace promenade

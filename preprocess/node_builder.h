@@ -1,0 +1,91 @@
+#pragma once
+// One node of the HLOD tree made from a leaf's triangles or from its children, with its measured error.
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "layout/model.h"
+#include "preprocess/texture_store.h"
+
+namespace promenade {
+
+/// Materials by index in meshes under construction: the source's, then the plain ones, then those of the node's atlas.
+struct MaterialBase {
+  std::vector<Material> materials;       ///< the source's (Material::texture: by TextureStore), then kPlain plain ones
+  static constexpr uint32_t kPlain = 4;  ///< white: one-sided, two-sided, the same see-through
+  explicit MaterialBase(std::vector<Material> source);
+  uint32_t plain(bool two_sided, bool see_through) const;
+  uint32_t size() const { return static_cast<uint32_t>(materials.size()); }
+};
+
+/// A node as the model will hold it, but for what depends on other nodes' places (ids, indices into tables).
+struct StoredNode {
+  NodeRecord record;
+  std::vector<std::byte> mesh;            ///< encoded; materials from MaterialBase::size() on are atlas_materials
+  float step_m = 0;                       ///< of the grid that the mesh was coded on; 0: none
+  std::vector<uint32_t> textures;         ///< shared ones, by TextureStore
+  std::vector<std::byte> atlas;           ///< encoded picture; empty: none
+  TextureRecord atlas_record;             ///< but for its segment
+  std::vector<Material> atlas_materials;  ///< but for their texture, which is the atlas
+};
+
+/// What a node's parent is made from.
+struct NodeSurface {
+  Mesh mesh;                              ///< before coding; untextured triangles have plain materials
+  std::vector<Material> atlas_materials;  ///< as in StoredNode
+  std::shared_ptr<const Image> atlas;
+  double error_m = 0, p99_m = 0;               ///< of `mesh`, without coding
+  double texture_error_m = 0;                  ///< how far a colour may be from its place
+  float texel_m = 0;                           ///< of the finest picture on it; 0: none
+  Box box;                                     ///< as in NodeRecord
+  NormalCone cone;                             ///< as in NodeRecord
+  float stored_error_m = 0, stored_p99_m = 0;  ///< as in NodeRecord
+};
+
+struct NodeBuilderOptions {
+  uint32_t node_triangles = 2000;
+  GeometryCodec codec = GeometryCodec::meshopt;
+  float leaf_step_m = 1.0F / 1024;  ///< a power of two: the grid that all leaves share
+  int jpeg_quality = 85;
+  uint32_t max_atlas_px = 512;  ///< a node is drawn when its error is about a pixel: rarely larger on the screen
+};
+
+/// How a node's mesh is coded. step_m 0: as floats, whatever the codec.
+GeometryEncodeOptions encode_options(GeometryCodec codec, float step_m);
+
+struct BuiltNode {
+  StoredNode stored;
+  NodeSurface surface;
+};
+
+/// Any thread.
+class NodeBuilder {
+ public:
+  /// Both must outlive the builder.
+  NodeBuilder(const MaterialBase& base, const TextureStore& textures, const NodeBuilderOptions& options)
+      : base_(base), textures_(textures), options_(options) {}
+
+  /// A leaf shows the source's triangles as they are, rounded to the leaves' grid.
+  Result<BuiltNode> leaf(Mesh mesh) const;
+  /// A node above others: their surfaces together, simplified, measured against them; the errors add up. cell: between
+  /// the planes of the partition.
+  Result<BuiltNode> inner(std::span<const NodeSurface> children, const Box& cell) const;
+
+ private:
+  struct Merged;
+  Merged merge(std::span<const NodeSurface> children) const;
+  Status bake(const Merged& merged, BuiltNode& node) const;
+  Status store(const Mesh& mesh, double step_m, std::span<const NodeSurface> children, BuiltNode& node) const;
+  Status encode(const Mesh& mesh, double step_m, StoredNode& stored, float& error_m) const;
+  double leaf_texels(const Mesh& mesh, NodeSurface& surface) const;
+  bool is_textured(uint32_t material) const;
+  bool is_two_sided(uint32_t material, std::span<const Material> atlas_materials) const;
+
+  const MaterialBase& base_;
+  const TextureStore& textures_;
+  NodeBuilderOptions options_;
+};
+
+}  // namespace promenade

@@ -1,0 +1,113 @@
+#include "preprocess/node_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <unordered_map>
+
+namespace promenade {
+
+namespace {
+
+constexpr glm::u8vec4 kWhite{255, 255, 255, 255};
+
+glm::u8vec4 multiplied(const glm::u8vec4& a, const glm::u8vec4& b) {
+  if (a == kWhite) return b;
+  if (b == kWhite) return a;
+  glm::u8vec4 out;
+  for (int i = 0; i < 3; ++i) out[i] = linear_to_srgb(srgb_to_linear(a[i]) * srgb_to_linear(b[i]));
+  out.a = static_cast<uint8_t>((int(a.a) * int(b.a) + 127) / 255);
+  return out;
+}
+
+/// A copy of vertex v at the end.
+uint32_t duplicate_vertex(Mesh& mesh, uint32_t v) {
+  const auto made = static_cast<uint32_t>(mesh.positions.size());
+  const glm::vec3 position = mesh.positions[v];
+  mesh.positions.push_back(position);
+  const auto repeat = [v](auto& values) {
+    if (values.empty()) return;
+    const auto value = values[v];
+    values.push_back(value);
+  };
+  repeat(mesh.normals), repeat(mesh.texcoords), repeat(mesh.colors);
+  return made;
+}
+
+}  // namespace
+
+void drop_idle_attributes(Mesh& mesh, const std::function<bool(uint32_t)>& is_textured) {
+  if (!mesh.texcoords.empty()) {
+    const std::vector<uint32_t> used = materials_of(mesh);
+    if (std::none_of(used.begin(), used.end(), is_textured)) mesh.texcoords.clear();
+  }
+  if (std::all_of(mesh.colors.begin(), mesh.colors.end(), [](const glm::u8vec4& c) { return c == kWhite; }))
+    mesh.colors.clear();
+}
+
+void fold_colors(Mesh& mesh, const std::vector<Material>& materials,
+                 const std::function<uint32_t(uint32_t)>& plain_of) {
+  if (mesh.materials.empty()) mesh.materials.assign(mesh.triangle_count(), 0);
+  const std::vector<uint32_t> used = materials_of(mesh);
+  const auto is_white = [&](uint32_t m) {
+    return plain_of(m) == m || (materials[m].color == kWhite && mesh.colors.empty());
+  };
+  if (!std::all_of(used.begin(), used.end(), is_white)) {
+    mesh.colors.resize(mesh.vertex_count(), kWhite);
+    constexpr uint32_t kFresh = 0xffffffffU;
+    std::vector<uint32_t> owner(mesh.vertex_count(), kFresh);  // the material that a vertex was coloured for
+    std::unordered_map<uint64_t, uint32_t> copies;             // (vertex, material) -> its copy
+    const std::vector<glm::u8vec4> before = mesh.colors;
+    for (size_t i = 0; i < mesh.indices.size(); ++i) {
+      const uint32_t v = mesh.indices[i];
+      const uint32_t m = mesh.materials[i / 3];
+      glm::u8vec4 color = plain_of(m) == m ? before[v] : multiplied(before[v], materials[m].color);
+      if (plain_of(m) != m && materials[m].alpha != AlphaMode::blend) color.a = 255;
+      if (owner[v] == kFresh) {
+        owner[v] = m;
+        mesh.colors[v] = color;
+      } else if (owner[v] != m && mesh.colors[v] != color) {
+        const auto [place, is_new] = copies.emplace(uint64_t(v) << 32 | m, 0U);
+        if (is_new) {
+          place->second = duplicate_vertex(mesh, v);
+          mesh.colors[place->second] = color;
+        }
+        mesh.indices[i] = place->second;
+      }
+    }
+  }
+  for (uint32_t& m : mesh.materials) m = plain_of(m);
+}
+
+double texel_size_m(const Mesh& mesh, uint32_t material, uint32_t width, uint32_t height) {
+  double area_m2 = 0, texels = 0;
+  if (mesh.texcoords.empty()) return 0;
+  for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (mesh.material_of(t) != material) continue;
+    const glm::dvec2 a = mesh.texcoords[mesh.indices[3 * t]];
+    const glm::dvec2 u = glm::dvec2(mesh.texcoords[mesh.indices[3 * t + 1]]) - a;
+    const glm::dvec2 v = glm::dvec2(mesh.texcoords[mesh.indices[3 * t + 2]]) - a;
+    area_m2 += double(glm::length(triangle_cross(mesh, t)));
+    texels += std::abs(u.x * v.y - u.y * v.x) * width * height;
+  }
+  return area_m2 > 0 && texels > 0 ? std::sqrt(area_m2 / texels) : 0;
+}
+
+std::vector<uint32_t> materials_of(const Mesh& mesh) {
+  if (mesh.materials.empty()) return {0};
+  std::vector<uint32_t> used;
+  for (const uint32_t m : mesh.materials)
+    if (used.empty() || used.back() != m) used.push_back(m);
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  return used;
+}
+
+glm::vec3 average_normal(const Mesh& mesh) {
+  glm::dvec3 sum(0);
+  for (size_t t = 0; t < mesh.triangle_count(); ++t) sum += glm::dvec3(triangle_cross(mesh, t));
+  const double length = glm::length(sum);
+  return length > 0 && std::isfinite(length) ? glm::vec3(sum / length) : glm::vec3(0);
+}
+
+}  // namespace promenade

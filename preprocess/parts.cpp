@@ -1,0 +1,77 @@
+#include "preprocess/parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace promenade {
+
+namespace {
+
+uint32_t root_of(std::vector<uint32_t>& parent, uint32_t place) {
+  while (parent[place] != place) place = parent[place] = parent[parent[place]];
+  return place;
+}
+
+}  // namespace
+
+Parts::Parts(const WorkMesh& work) : tree_(work.positions, work.place) {
+  std::vector<uint32_t> parent(work.place_count());
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto triangles = static_cast<uint32_t>(work.triangle_count());
+  for (uint32_t t = 0; t < triangles; ++t)
+    for (uint32_t c = 1; c < 3; ++c) {
+      const uint32_t a = root_of(parent, work.place[size_t(t) * 3]);
+      const uint32_t b = root_of(parent, work.place[size_t(t) * 3 + c]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  std::vector<uint32_t> part_of_root(work.place_count(), WorkMesh::kNone);
+  part_of_triangle_.resize(triangles);
+  for (uint32_t t = 0; t < triangles; ++t) {
+    uint32_t& part = part_of_root[root_of(parent, work.place[size_t(t) * 3])];
+    if (part == WorkMesh::kNone) {
+      part = static_cast<uint32_t>(triangles_.size());
+      triangles_.emplace_back();
+    }
+    part_of_triangle_[t] = part;
+    triangles_[part].push_back(t);
+  }
+  part_of_place_.assign(work.place_count(), WorkMesh::kNone);
+  for (uint32_t p = 0; p < work.place_count(); ++p) part_of_place_[p] = part_of_root[root_of(parent, p)];
+  hidden_.assign(count(), 0);
+  remaining_ = count();
+}
+
+float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m) {
+  if (remaining_ < 2) return std::numeric_limits<float>::infinity();
+  hidden_[part] = 1;
+  float cost2 = 0;
+  uint32_t hint = kNoTriangle;
+  for (const glm::vec3& p : points) {
+    const ClosestPointTree::Nearest found = tree_.nearest(p, {.hint = hint,
+                                                              .enough_distance2_m2 = cost2,
+                                                              .group_of_triangle = part_of_triangle_.data(),
+                                                              .group_hidden = hidden_.data()});
+    cost2 = std::max(cost2, found.distance2_m2);
+    hint = found.triangle;
+    if (cost2 > limit_m * limit_m) break;
+  }
+  hidden_[part] = 0;
+  return std::sqrt(cost2);
+}
+
+void Parts::remove(uint32_t part) {
+  hidden_[part] = 1;
+  --remaining_;
+}
+
+uint32_t Parts::nearest_corner(const glm::vec3& point) const {
+  const ClosestPointTree::Nearest found =
+      tree_.nearest(point, {.group_of_triangle = part_of_triangle_.data(), .group_hidden = hidden_.data()});
+  if (found.triangle == kNoTriangle) return WorkMesh::kNone;
+  const glm::vec3 weights = tree_.closest_on(found.triangle, point).barycentric;
+  const uint32_t corner = weights.x >= weights.y && weights.x >= weights.z ? 0 : weights.y >= weights.z ? 1 : 2;
+  return found.triangle * 3 + corner;
+}
+
+}  // namespace promenade

@@ -1,0 +1,44 @@
+#pragma once
+// Disjoint parts of a mesh, and how far points lie from what would remain without one.
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "geometry/closest_point.h"
+#include "preprocess/work_mesh.h"
+
+namespace promenade {
+
+/// Parts are sets of triangles that share places, numbered in order of their first triangle. Distances are to the parts
+/// as they were in the beginning, those not removed: collapses meanwhile move them by less than anything still in the
+/// queue would cost.
+class Parts {
+ public:
+  explicit Parts(const WorkMesh& work);
+
+  uint32_t count() const { return static_cast<uint32_t>(triangles_.size()); }
+  uint32_t of_place(uint32_t place) const { return part_of_place_[place]; }
+  /// The triangles of a part, as the work mesh numbers them.
+  const std::vector<uint32_t>& triangles(uint32_t part) const { return triangles_[part]; }
+
+  /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Stops looking
+  /// where it is over the limit.
+  float removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m);
+
+  void remove(uint32_t part);
+
+  /// A corner, as the work mesh numbers them, of the triangle nearest to a point among the parts that remain; kNone
+  /// where none does.
+  uint32_t nearest_corner(const glm::vec3& point) const;
+
+ private:
+  ClosestPointTree tree_;
+  std::vector<uint32_t> part_of_place_;
+  std::vector<uint32_t> part_of_triangle_;
+  std::vector<std::vector<uint32_t>> triangles_;
+  std::vector<uint8_t> hidden_;
+  uint32_t remaining_ = 0;
+};
+
+}  // namespace promenade

@@ -1,0 +1,185 @@
+#include "preprocess/simplify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "preprocess/collapse.h"
+#include "preprocess/cost_queue.h"
+#include "preprocess/parts.h"
+#include "preprocess/work_mesh.h"
+
+namespace promenade {
+
+namespace {
+
+/// A place this close to a face of the cell, in shares of the cell's diagonal, lies on it: cutting rounds.
+constexpr float kOnFaceShare = 1e-6F;
+/// Locked border places leave room while they are at most this share of the target: a patch has twice as many triangles
+/// as places.
+constexpr double kMostLockedShare = 0.25;
+
+/// Measured costs may exceed the cheapest in the queue by this factor before something else is tried first.
+constexpr float kPatience = 1.1F;
+
+/// Bits of the cell's faces that each place lies on.
+std::vector<uint8_t> find_cell_faces(const WorkMesh& work, const Box& cell) {
+  std::vector<uint8_t> faces(work.place_count(), 0);
+  if (cell.empty()) return faces;
+  const float near = kOnFaceShare * cell.diagonal();
+  for (size_t p = 0; p < faces.size(); ++p)
+    for (int axis = 0; axis < 3; ++axis) {
+      const float at = work.model_positions[p][axis];
+      if (std::abs(at - cell.min[axis]) <= near) faces[p] |= static_cast<uint8_t>(1U << unsigned(axis));
+      if (std::abs(at - cell.max[axis]) <= near) faces[p] |= static_cast<uint8_t>(8U << unsigned(axis));
+    }
+  return faces;
+}
+
+/// Collapses and removals of parts in one queue, cheapest first: items are places, then parts.
+class Simplifier {
+ public:
+  Simplifier(WorkMesh& work, const Mesh& source, const SimplifyOptions& options)
+      : work_(work),
+        cell_faces_(find_cell_faces(work, options.cell)),
+        parts_(work),
+        collapser_(work, source, cell_faces_),
+        target_(std::max(options.target_triangles, 1U)),
+        queue_(static_cast<uint32_t>(work.place_count()) + parts_.count()),
+        alive_in_part_(parts_.count()) {
+    for (uint32_t part = 0; part < parts_.count(); ++part)
+      alive_in_part_[part] = static_cast<uint32_t>(parts_.triangles(part).size());
+    if (options.lock_borders) collapser_.set_locked(border_locks());
+  }
+
+  void run() {
+    queue_parts();
+    queue_places();
+    drain();
+    if (work_.alive_count <= target_) return;
+    collapser_.set_locked(std::vector<uint8_t>(work_.place_count(), 0));
+    queue_places();
+    drain();
+    if (work_.alive_count <= target_) return;
+    collapser_.allow_flips(true);
+    queue_places();
+    drain();
+    if (work_.alive_count > target_) kill_smallest();
+  }
+
+ private:
+  uint32_t places() const { return static_cast<uint32_t>(work_.place_count()); }
+
+  /// None when they would leave no room.
+  std::vector<uint8_t> border_locks() const {
+    std::vector<uint8_t> locked(work_.place_count(), 0);
+    size_t count = 0;
+    for (size_t p = 0; p < locked.size(); ++p) count += locked[p] = cell_faces_[p] != 0 ? 1 : 0;
+    if (double(count) > kMostLockedShare * target_) std::fill(locked.begin(), locked.end(), uint8_t(0));
+    return locked;
+  }
+
+  void queue_parts() {
+    if (parts_.count() < 2) return;
+    for (uint32_t part = 0; part < parts_.count(); ++part) queue_.set(places() + part, 0);
+  }
+
+  void queue_places() {
+    for (uint32_t p = 0; p < places(); ++p) queue_.set(p, collapser_.estimate(p));
+  }
+
+  void drain() {
+    while (work_.alive_count > target_ && !queue_.empty()) {
+      const uint32_t item = queue_.top();
+      if (item >= places())
+        try_part(item - places());
+      else
+        try_place(item);
+    }
+  }
+
+  void try_place(uint32_t place) {
+    const float queued = queue_.top_cost();
+    queue_.remove(place);
+    const float limit = patience(queued);
+    const Collapser::Choice choice = collapser_.choose(place, limit);
+    if (choice.target == WorkMesh::kNone) return;
+    if (choice.cost_m > limit) return queue_.set(place, choice.cost_m);
+    // The last triangles of a part go by its removal, which knows how far that is.
+    uint32_t& alive = alive_in_part_[parts_.of_place(place)];
+    const uint32_t before = work_.alive_count;
+    if (collapser_.triangles_between(place, choice.target) >= alive) return;
+    collapser_.collapse(place, choice.target);
+    alive -= before - work_.alive_count;
+    queue_.set(choice.target, collapser_.estimate(choice.target));
+    ring_ = collapser_.ring_of(choice.target);
+    for (const uint32_t p : ring_) queue_.set(p, collapser_.estimate(p));
+  }
+
+  /// What costs no more than this may as well be done now: the rest of the queue costs about as much.
+  float patience(float queued) const { return std::max(queued, queue_.empty() ? 0 : queue_.top_cost()) * kPatience; }
+
+  void try_part(uint32_t part) {
+    const float queued = queue_.top_cost();
+    queue_.remove(places() + part);
+    gather_points(part);
+    const float limit = patience(queued);
+    const float cost = parts_.removal_cost(part, points_, limit);
+    if (cost > limit) return queue_.set(places() + part, cost);
+    parts_.remove(part);
+    for (const uint32_t t : parts_.triangles(part)) {
+      if (work_.alive[t] == 0) continue;
+      for (uint32_t c = 0; c < 3; ++c) queue_.remove(work_.place[t * 3 + c]);
+      work_.kill(t);
+    }
+    for (const glm::vec3& p : points_) {
+      const uint32_t corner = parts_.nearest_corner(p);
+      if (corner != WorkMesh::kNone) collapser_.add_point(p, work_.current(work_.place[corner]));
+    }
+  }
+
+  /// The points that a part stands for, and some on the inside of its triangles: a post touches floor and ceiling with
+  /// all its corners.
+  void gather_points(uint32_t part) {
+    points_.clear();
+    for (const uint32_t t : parts_.triangles(part)) {
+      if (work_.alive[t] == 0) continue;
+      collapser_.points_on(t, points_);
+      const glm::vec3 a = work_.at(t * 3), b = work_.at(t * 3 + 1), c = work_.at(t * 3 + 2);
+      for (const glm::vec3& p : {(a + b + c) / 3.0F, (a + b) * 0.5F, (b + c) * 0.5F, (c + a) * 0.5F})
+        points_.push_back(p);
+    }
+  }
+
+  /// What no collapse and no removal can take: single triangles and sheets back to back.
+  void kill_smallest() {
+    std::vector<std::pair<float, uint32_t>> by_area;
+    for (uint32_t t = 0; t < work_.triangle_count(); ++t)
+      if (work_.alive[t] != 0)
+        by_area.emplace_back(
+            glm::length(glm::cross(work_.at(t * 3 + 1) - work_.at(t * 3), work_.at(t * 3 + 2) - work_.at(t * 3))), t);
+    std::sort(by_area.begin(), by_area.end());
+    for (size_t i = 0; work_.alive_count > target_; ++i) work_.kill(by_area[i].second);
+  }
+
+  WorkMesh& work_;
+  std::vector<uint8_t> cell_faces_;
+  Parts parts_;
+  Collapser collapser_;
+  uint32_t target_;
+  CostQueue queue_;
+  std::vector<uint32_t> alive_in_part_;
+  std::vector<uint32_t> ring_;
+  std::vector<glm::vec3> points_;
+};
+
+}  // namespace
+
+Mesh simplify(const Mesh& mesh, const SimplifyOptions& options) {
+  if (mesh.triangle_count() <= options.target_triangles) return mesh;
+  WorkMesh work = make_work_mesh(mesh);
+  if (work.alive_count > options.target_triangles) Simplifier(work, mesh, options).run();
+  return finish(work, mesh);
+}
+
+}  // namespace promenade

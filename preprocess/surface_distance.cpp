@@ -1,0 +1,308 @@
+// The distance to a convex set is a convex function, so a piece of A whose corners are all within d of one triangle of
+// B is within d of it everywhere. And distance grows no faster than one walks: a piece within R of a point that is d
+// from B is within d + R. Pieces that neither settles are cut: along the borders of the triangle of B below them, so
+// that differently triangulated parts of one plane are compared exactly, else in the middle.
+
+#include "preprocess/surface_distance.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "preprocess/weld.h"
+
+namespace promenade {
+
+namespace {
+
+constexpr size_t kMaxCorners = 16;  // of a piece; from kCrowded on only halving is allowed, which takes corners away
+constexpr size_t kCrowded = 10;
+constexpr uint32_t kMaxDepth = 40;         // halvings of one triangle below each other
+constexpr size_t kPiecesPerTriangle = 32;  // bounds the time on hostile input
+constexpr uint32_t kSamples = 1024;        // of each direction: ten of them above the 99th percentile
+constexpr float kWellInside = 1e-4F;       // barycentric: cuts nearer to a border would gain nothing, for ever
+constexpr float kFloorShare = 1e-5F;       // of the diagonal: differences below it are not pursued
+constexpr float kQueryRounding = 2e-6F;    // see ClosestPointTree
+constexpr float kCoordinateRounding = 0x1p-23F;
+
+/// A convex polygon on a triangle of A.
+struct Piece {
+  std::array<glm::vec3, kMaxCorners> corners;
+  uint32_t count;
+  uint32_t depth;
+  uint32_t hint;  // a triangle of B nearby
+  float bound;    // on the distance anywhere on it, known from what it was cut from
+};
+
+/// What both directions share.
+struct Measure {
+  float reached = 0;   // a distance that is really there: the largest found
+  float accepted = 0;  // the largest bound of anything settled so far
+  float slack = 0;
+  float floor = 0;
+  /// Whatever is bounded by this need not be looked at more closely.
+  float good_enough() const { return std::max(floor, reached * (1 + slack)); }
+};
+
+/// Cuts by the plane dot(normal, x) = offset: `below` is where the product is less.
+void cut(const Piece& piece, const glm::vec3& normal, float offset, Piece& below, Piece& above) {
+  std::array<float, kMaxCorners> side;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  for (uint32_t i = 0; i < piece.count; ++i) side[i] = glm::dot(normal, piece.corners[i]) - offset;
+  below.count = above.count = 0;
+  for (uint32_t i = 0; i < piece.count; ++i) {
+    const uint32_t next = i + 1 == piece.count ? 0 : i + 1;
+    if (side[i] <= 0) below.corners[below.count++] = piece.corners[i];
+    if (side[i] >= 0) above.corners[above.count++] = piece.corners[i];
+    if ((side[i] < 0 && side[next] > 0) || (side[i] > 0 && side[next] < 0)) {
+      const float t = side[i] / (side[i] - side[next]);
+      const glm::vec3 p = piece.corners[i] + t * (piece.corners[next] - piece.corners[i]);
+      below.corners[below.count++] = p;
+      above.corners[above.count++] = p;
+    }
+  }
+}
+
+/// splitmix64's finisher: a fixed scramble of the sample's number.
+uint64_t scramble(uint64_t z) {
+  z += 0x9e3779b97f4a7c15ULL;
+  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
+  return z ^ (z >> 31U);
+}
+
+/// Distances from one mesh to another.
+class Direction {
+ public:
+  Direction(const Mesh& from, const Mesh& to, const ClosestPointTree& tree, Measure& measure)
+      : from_(from), to_(to), tree_(tree), measure_(measure) {
+    const Box box = bounds(from);
+    const glm::vec3 largest = glm::max(glm::abs(box.min), glm::abs(box.max));
+    cut_rounding_ = kCoordinateRounding * 4 * std::max({largest.x, largest.y, largest.z});
+  }
+
+  void measure_vertices() {
+    const Places places = find_places(from_.positions);
+    place_of_vertex_ = places.of_vertex;
+    nearest_.resize(places.count());
+    std::vector<uint8_t> done(places.count(), 0);
+    uint32_t hint = kNoTriangle;
+    for (const uint32_t v : from_.indices) {
+      const uint32_t place = place_of_vertex_[v];
+      if (done[place] != 0) {
+        hint = nearest_[place].triangle;
+        continue;
+      }
+      done[place] = 1;
+      nearest_[place] = query(from_.positions[v], hint);
+      hint = nearest_[place].triangle;
+    }
+  }
+
+  /// 99th percentile of the distances at evenly spread points.
+  float measure_samples() {
+    std::vector<double> area_until(from_.triangle_count());
+    double area = 0;
+    for (size_t t = 0; t < area_until.size(); ++t)
+      area_until[t] = area += double(glm::length(triangle_cross(from_, t)));
+    std::vector<float> distances(kSamples);
+    uint32_t hint = kNoTriangle;
+    for (uint32_t s = 0; s < kSamples; ++s) {
+      const uint64_t random = scramble(s);
+      const double at = area * (s + 0.5) / kSamples;
+      const auto t =
+          std::min(static_cast<size_t>(std::lower_bound(area_until.begin(), area_until.end(), at) - area_until.begin()),
+                   area_until.size() - 1);
+      const float r = std::sqrt(float(random >> 40U) * 0x1p-24F);
+      const float w = float((random >> 8U) & 0xffffffU) * 0x1p-24F;
+      const std::array<glm::vec3, 3> c = corners(t);
+      const Found found = query(c[0] + (r * (1 - w)) * (c[1] - c[0]) + (r * w) * (c[2] - c[0]), hint);
+      distances[s] = found.distance;
+      hint = found.triangle;
+    }
+    const auto rank = distances.begin() + kSamples * 99 / 100;
+    std::nth_element(distances.begin(), rank, distances.end());
+    return *rank;
+  }
+
+  /// Bounds the distance over every triangle. After measure_vertices of both directions.
+  void bound_triangles() {
+    pieces_left_ = (from_.triangle_count() + to_.triangle_count()) * kPiecesPerTriangle + 1000;
+    for (size_t t = 0; t < from_.triangle_count(); ++t) bound_triangle(t);
+  }
+
+ private:
+  struct Found {
+    float distance = 0;
+    uint32_t triangle = kNoTriangle;
+  };
+
+  std::array<glm::vec3, 3> corners(size_t t) const {
+    return {from_.positions[from_.indices[3 * t]], from_.positions[from_.indices[3 * t + 1]],
+            from_.positions[from_.indices[3 * t + 2]]};
+  }
+
+  Found query(const glm::vec3& p, uint32_t hint) {
+    const ClosestPointTree::Nearest found = tree_.nearest(p, {.hint = hint});
+    const float distance = std::sqrt(found.distance2_m2);
+    measure_.reached = std::max(measure_.reached, distance);
+    return {distance, found.triangle};
+  }
+
+  void settle(float bound) { measure_.accepted = std::max(measure_.accepted, bound); }
+
+  void bound_triangle(size_t t) {
+    const std::array<glm::vec3, 3> c = corners(t);
+    std::array<Found, 3> near;
+    for (size_t i = 0; i < 3; ++i) near[i] = nearest_[place_of_vertex_[from_.indices[3 * t + i]]];
+    const float farthest = std::max({near[0].distance, near[1].distance, near[2].distance});
+    if (near[0].triangle == near[1].triangle && near[1].triangle == near[2].triangle) return settle(farthest);
+    const float edge = std::sqrt(std::max(
+        {glm::dot(c[1] - c[0], c[1] - c[0]), glm::dot(c[2] - c[1], c[2] - c[1]), glm::dot(c[0] - c[2], c[0] - c[2])}));
+    // Every point of a triangle is within its longest edge / sqrt 3 of a corner.
+    float bound = farthest + edge * 0.57735034F;
+    if (bound <= measure_.good_enough()) return settle(bound);
+    for (const Found& candidate : near) {
+      float d2 = 0;
+      for (const glm::vec3& p : c) d2 = std::max(d2, tree_.distance2_to(candidate.triangle, p));
+      bound = std::min(bound, std::sqrt(d2));
+    }
+    if (bound <= measure_.good_enough()) return settle(bound);
+    Piece piece;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::copy(c.begin(), c.end(), piece.corners.begin());
+    piece.count = 3, piece.depth = 0, piece.hint = near[0].triangle, piece.bound = bound;
+    stack_.push_back(piece);
+    while (!stack_.empty()) {
+      const Piece top = stack_.back();
+      stack_.pop_back();
+      bound_piece(top);
+    }
+  }
+
+  void bound_piece(Piece piece) {
+    if (piece.bound <= measure_.good_enough() || piece.depth >= kMaxDepth || pieces_left_ == 0)
+      return settle(piece.bound);
+    --pieces_left_;
+    glm::vec3 center(0);
+    for (uint32_t i = 0; i < piece.count; ++i) center += piece.corners[i];
+    center /= float(piece.count);
+    const Found found = query(center, piece.hint);
+    float radius2 = 0;
+    float to_triangle2 = 0;
+    for (uint32_t i = 0; i < piece.count; ++i) {
+      radius2 = std::max(radius2, glm::dot(piece.corners[i] - center, piece.corners[i] - center));
+      to_triangle2 = std::max(to_triangle2, tree_.distance2_to(found.triangle, piece.corners[i]));
+    }
+    const float radius = std::sqrt(radius2);
+    const float bound = std::min(found.distance + radius, std::sqrt(to_triangle2)) + cut_rounding_;
+    piece.bound = std::min(piece.bound, bound);
+    piece.hint = found.triangle;
+    if (piece.bound <= measure_.good_enough()) return settle(piece.bound);
+    if (piece.count < kCrowded && cut_along(piece, center, measure_.good_enough() - found.distance)) return;
+    halve(piece);
+  }
+
+  void push(Piece& part, const Piece& whole) {
+    if (part.count < 3) return;
+    part.depth = whole.depth, part.hint = whole.hint, part.bound = whole.bound;
+    stack_.push_back(part);
+  }
+
+  /// Cuts along the borders of the triangle of B that the piece's centre lies over. False, and nothing done, where that
+  /// is no use: the triangle is no larger than what halving would reach (`reach`), or has the whole piece over it.
+  bool cut_along(const Piece& piece, const glm::vec3& center, float reach) {
+    const ClosestPoint below = tree_.closest_on(piece.hint, center);
+    if (std::min({below.barycentric.x, below.barycentric.y, below.barycentric.z}) <= kWellInside) return false;
+    const size_t t = size_t(piece.hint) * 3;
+    const std::array<glm::vec3, 3> b = {to_.positions[to_.indices[t]], to_.positions[to_.indices[t + 1]],
+                                        to_.positions[to_.indices[t + 2]]};
+    const glm::vec3 normal = glm::cross(b[1] - b[0], b[2] - b[0]);
+    if (glm::dot(normal, normal) <= reach * reach * reach * reach) return false;
+    Piece inside = piece;
+    Piece outside;    // NOLINT(cppcoreguidelines-pro-type-member-init)
+    Piece remaining;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    bool any = false;
+    for (size_t e = 0; e < 3; ++e) {
+      glm::vec3 outward = glm::cross(b[(e + 1) % 3] - b[e], normal);
+      const float length = glm::length(outward);
+      if (!(length > 0)) continue;
+      outward /= length;
+      const float offset = glm::dot(outward, b[e]);
+      float farthest = std::numeric_limits<float>::lowest();
+      for (uint32_t i = 0; i < inside.count; ++i)
+        farthest = std::max(farthest, glm::dot(outward, inside.corners[i]) - offset);
+      if (farthest <= measure_.floor + cut_rounding_) continue;
+      cut(inside, outward, offset, remaining, outside);
+      if (remaining.count < 3) break;  // rounding: the centre was inside
+      any = true;
+      push(outside, piece);
+      remaining.depth = piece.depth;
+      inside = remaining;
+    }
+    if (!any) return false;
+    float d2 = 0;
+    for (uint32_t i = 0; i < inside.count; ++i) d2 = std::max(d2, tree_.distance2_to(piece.hint, inside.corners[i]));
+    inside.hint = piece.hint, inside.depth = piece.depth;
+    inside.bound = std::min(piece.bound, std::sqrt(d2) + cut_rounding_);
+    stack_.push_back(inside);
+    return true;
+  }
+
+  /// Cuts across the piece's longest diagonal.
+  void halve(Piece& piece) {
+    float longest2 = -1;
+    glm::vec3 from(0), to(0);
+    for (uint32_t i = 0; i < piece.count; ++i)
+      for (uint32_t j = i + 1; j < piece.count; ++j) {
+        const glm::vec3 d = piece.corners[j] - piece.corners[i];
+        if (const float d2 = glm::dot(d, d); d2 > longest2)
+          longest2 = d2, from = piece.corners[i], to = piece.corners[j];
+      }
+    ++piece.depth;
+    const glm::vec3 along = to - from;
+    Piece first, second;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    cut(piece, along, glm::dot(along, from + 0.5F * along), first, second);
+    if (first.count < 3 || second.count < 3) return settle(piece.bound);  // too small to cut
+    push(first, piece);
+    push(second, piece);
+  }
+
+  const Mesh& from_;
+  const Mesh& to_;
+  const ClosestPointTree& tree_;
+  Measure& measure_;
+  float cut_rounding_ = 0;
+  std::vector<uint32_t> place_of_vertex_;
+  std::vector<Found> nearest_;  // of each place
+  std::vector<Piece> stack_;
+  size_t pieces_left_ = 0;
+};
+
+}  // namespace
+
+SurfaceDistance surface_distance(const Mesh& a, const ClosestPointTree& tree_a, const Mesh& b,
+                                 const ClosestPointTree& tree_b, double slack, double tolerance_m) {
+  Box box = bounds(a);
+  box.add(bounds(b));
+  Measure measure;
+  measure.slack = static_cast<float>(slack);
+  measure.floor = std::max(static_cast<float>(tolerance_m), box.diagonal() * kFloorShare);
+  Direction from_a(a, b, tree_b, measure);
+  Direction from_b(b, a, tree_a, measure);
+  from_a.measure_vertices();
+  from_b.measure_vertices();
+  SurfaceDistance result;
+  result.p99_m = std::max(from_a.measure_samples(), from_b.measure_samples());
+  from_a.bound_triangles();
+  from_b.bound_triangles();
+  const float bound = std::max(measure.accepted, measure.reached);
+  result.bound_m = bound + 2 * kQueryRounding * (bound + box.diagonal());
+  return result;
+}
+
+SurfaceDistance surface_distance(const Mesh& a, const Mesh& b, double slack, double tolerance_m) {
+  return surface_distance(a, ClosestPointTree(a), b, ClosestPointTree(b), slack, tolerance_m);
+}
+
+}  // namespace promenade

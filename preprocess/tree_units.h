@@ -1,0 +1,34 @@
+#pragma once
+// The work units of the HLOD tree: one per chunk, each from its spilled triangles to its root, and one for the nodes
+// above them.
+
+#include <functional>
+#include <vector>
+
+#include "geometry/job_monitor.h"
+#include "preprocess/chunk_tree.h"
+#include "preprocess/memory_budget.h"
+#include "preprocess/node_unit.h"
+#include "preprocess/spill.h"
+
+namespace promenade {
+
+struct TreeOptions {
+  uint32_t node_triangles = 2000;
+  uint32_t level_factor = 4;
+  uint64_t hash = 0;  ///< of all that the units depend on
+};
+
+struct TreeUnits {
+  std::vector<NodeUnit> chunks;  ///< by chunk
+  NodeUnit top;                  ///< empty when the tree's root is a chunk's
+  uint64_t resumed = 0;          ///< units found done
+};
+
+/// Builds all units, several chunks at once as far as memory goes. Each is published as it is done. Errors: the disk,
+/// cancellation (between nodes).
+Result<TreeUnits> build_tree(const SpillIndex& spill, const ChunkTree& tree, const NodeBuilder& builder,
+                             const TreeOptions& options, const MemoryBudget& budget, const WorkFolder& folder,
+                             JobMonitor& monitor);
+
+}  // namespace promenade

@@ -1,0 +1,214 @@
+#include "runtime/flight.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+namespace promenade {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+uint64_t peak_rss_bytes() {
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+/// Nearest rank: a value that occurred. p in (0, 1].
+double percentile(std::vector<double> values, double p) {
+  if (values.empty()) return 0;
+  const size_t rank = static_cast<size_t>(std::ceil(p * double(values.size())));
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::max<size_t>(rank, 1) - 1);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+template <class F>
+double mean_of(const std::vector<FrameRow>& rows, F&& value) {
+  double sum = 0;
+  for (const FrameRow& row : rows) sum += static_cast<double>(value(row));
+  return rows.empty() ? 0 : sum / double(rows.size());
+}
+
+Json json_of(const FrameRow& row) {
+  return {{"frame", row.frame},
+          {"t_s", row.t_s},
+          {"frame_ms", row.frame_ms},
+          {"select_ms", row.select_ms},
+          {"draw_ms", row.draw_ms},
+          {"upload_ms", row.upload_ms},
+          {"response_ms", row.response_ms},
+          {"estimated_ms", row.estimated_ms},
+          {"estimated_without_feedback_ms", row.estimated_without_feedback_ms},
+          {"share_ms", row.share_ms},
+          {"triangles_drawn", row.triangles_drawn},
+          {"nodes_drawn", row.nodes_drawn},
+          {"nodes_missing", row.nodes_missing},
+          {"toggles", row.toggles},
+          {"toggles_up", row.toggles_up},
+          {"toggles_down", row.toggles_down},
+          {"resident_bytes", row.resident_bytes},
+          {"bytes_read", row.bytes_read},
+          {"nodes_by_level", row.nodes_by_level}};
+}
+
+Json json_of(const LoaderCounts& counts) {
+  return {{"pieces", counts.pieces},
+          {"nodes_loaded", counts.nodes_loaded},
+          {"textures_loaded", counts.textures_loaded},
+          {"nodes_evicted", counts.nodes_evicted},
+          {"loads_suspended", counts.loads_suspended},
+          {"loads_resumed", counts.loads_resumed},
+          {"partials_dropped", counts.partials_dropped},
+          {"staged_dropped", counts.staged_dropped},
+          {"waits_for_eviction", counts.waits_for_eviction},
+          {"refused_memory", counts.refused_memory},
+          {"refused_too_large", counts.refused_too_large},
+          {"failed_reads", counts.failed_reads},
+          {"failed_decodes", counts.failed_decodes},
+          {"failed_uploads", counts.failed_uploads},
+          {"idle_steps", counts.idle_steps}};
+}
+
+/// `count_name`: what the number of frames is called.
+Json json_of(const FlightTotals& totals, const char* count_name) {
+  return {{count_name, totals.frames},
+          {"frame_ms_mean", totals.frame_ms_mean},
+          {"frame_ms_p50", totals.frame_ms_p50},
+          {"frame_ms_p99", totals.frame_ms_p99},
+          {"frame_ms_stddev", totals.frame_ms_stddev},
+          {"response_ms_p99", totals.response_ms_p99},
+          {"triangles_drawn_mean", totals.triangles_drawn_mean},
+          {"nodes_drawn_mean", totals.nodes_drawn_mean},
+          {"nodes_missing_mean", totals.nodes_missing_mean},
+          {"toggles_per_frame", totals.toggles_per_frame},
+          {"cells_crossed", totals.cells_crossed},
+          {"delta_bytes_mean", totals.delta_bytes_mean},
+          {"bytes_read", totals.bytes_read},
+          {"reads", totals.reads},
+          {"bytes_read_useful", totals.bytes_read_useful},
+          {"resident_bytes_peak", totals.resident_bytes_peak},
+          {"peak_rss_bytes", totals.peak_rss_bytes},
+          {"stalls", totals.stalls},
+          {"memory_bytes", totals.memory_bytes}};
+}
+
+/// The frames of a path as time passes: which pose is next.
+class Timeline {
+ public:
+  Timeline(const CameraPath& path, Pacing pacing) : path_(path), pacing_(pacing), begin_(Clock::now()) {}
+
+  double interval_s() const { return 1.0 / path_.fps; }
+  bool over() const {
+    return pacing_ == Pacing::every_frame ? frame_ >= path_.frame_count() : t_s_ > path_.duration_s();
+  }
+  double t_s() const { return t_s_; }
+  double dt_s() const { return t_s_ - last_t_s_; }
+  Pose pose() const { return pose_at(path_, path_.keys.front().t_s + t_s_); }
+  void advance() {
+    ++frame_;
+    last_t_s_ = t_s_;
+    if (pacing_ == Pacing::every_frame) {
+      t_s_ = double(frame_) * interval_s();
+      return;
+    }
+    // Not faster than the path's own frames.
+    std::this_thread::sleep_until(
+        begin_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(last_t_s_ + interval_s())));
+    t_s_ = std::chrono::duration<double>(Clock::now() - begin_).count();
+  }
+
+ private:
+  const CameraPath& path_;
+  Pacing pacing_;
+  Clock::time_point begin_;
+  uint32_t frame_ = 0;
+  double t_s_ = 0, last_t_s_ = 0;
+};
+
+}  // namespace
+
+FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
+  FlightTotals totals;
+  totals.frames = rows.size();
+  std::vector<double> frame_ms, response_ms;
+  for (const FrameRow& row : rows) {
+    frame_ms.push_back(row.frame_ms);
+    response_ms.push_back(row.response_ms);
+    totals.stalls += row.frame_ms > 2 * target_ms ? 1 : 0;
+    totals.bytes_read += row.bytes_read;
+    totals.resident_bytes_peak = std::max(totals.resident_bytes_peak, row.resident_bytes);
+  }
+  totals.frame_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.frame_ms; });
+  totals.frame_ms_p50 = percentile(frame_ms, 0.50);
+  totals.frame_ms_p99 = percentile(frame_ms, 0.99);
+  totals.frame_ms_stddev = std::sqrt(mean_of(rows, [&totals](const FrameRow& r) {
+    return (r.frame_ms - totals.frame_ms_mean) * (r.frame_ms - totals.frame_ms_mean);
+  }));
+  totals.response_ms_p99 = percentile(response_ms, 0.99);
+  totals.triangles_drawn_mean = mean_of(rows, [](const FrameRow& r) { return r.triangles_drawn; });
+  totals.nodes_drawn_mean = mean_of(rows, [](const FrameRow& r) { return r.nodes_drawn; });
+  totals.nodes_missing_mean = mean_of(rows, [](const FrameRow& r) { return r.nodes_missing; });
+  totals.toggles_per_frame = mean_of(rows, [](const FrameRow& r) { return r.toggles; });
+  return totals;
+}
+
+Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const CameraPath& path,
+                         const FlightOptions& options, const FrameCallback& on_frame, JobMonitor& monitor) {
+  if (path.keys.empty()) return Error{"the camera path has no keys"};
+  SessionOptions session_options = options.session;
+  session_options.frame_bytes = renderer.frame_bytes(options.width_px, options.height_px);
+  Result<Session> session = Session::open(source, renderer, session_options);
+  if (!session) return session.error();
+  Camera camera{pose_of_frame(path, 0), options.width_px, options.height_px, options.vertical_fov_deg, options.near_m};
+  if (options.measure_overhead) PROMENADE_TRY(session->measure_overhead(camera));
+
+  FlightReport report;
+  const bool paced = options.pacing == Pacing::every_frame;
+  const bool threaded = session_options.loader_thread;
+  const uint64_t frames = path.frame_count();
+  for (Timeline time(path, options.pacing); !time.over(); time.advance()) {
+    if (monitor.cancelled()) return Error{"interrupted"};
+    camera.pose = time.pose();
+    // A thread loads while the frame is drawn; without one the loader's turn comes after it.
+    const double loader_ms = time.interval_s() * 1e3;
+    if (paced && threaded) session->run_loader(loader_ms);
+    Result<FrameRow> row = session->frame(camera, time.dt_s());
+    if (!row) return row.error();
+    if (!threaded) session->run_loader(loader_ms);
+    if (paced) session->wait_for_loader();
+    row->t_s = time.t_s();
+    if (on_frame) PROMENADE_TRY(on_frame(*row, renderer));
+    report.rows.push_back(std::move(*row));
+    monitor.progress("fly", report.rows.size(), paced ? frames : 0);
+  }
+  report.loader = session->loader_counts();
+  report.totals = totals_of(report.rows, session_options.select.time.target_ms);
+  report.totals.bytes_read = report.loader.bytes_read;
+  report.totals.reads = report.loader.reads;
+  report.totals.bytes_read_useful = report.loader.bytes_read_useful;
+  report.totals.resident_bytes_peak = session->resident_bytes_peak();
+  report.totals.peak_rss_bytes = peak_rss_bytes();
+  report.totals.memory_bytes = session_options.loader.memory_bytes;
+  for (const std::string& failure : session->failures()) monitor.warning(failure);
+  return report;
+}
+
+std::string to_json(const FlightReport& report) {
+  Json json = json_of(report.totals, "frame_count");
+  json["loader"] = json_of(report.loader);
+  Json rows = Json::array();
+  for (const FrameRow& row : report.rows) rows.push_back(json_of(row));
+  json["frames"] = std::move(rows);
+  return json.dump(1);
+}
+
+std::string to_json(const FlightTotals& totals) { return json_of(totals, "frames").dump(1); }
+
+}  // namespace promenade

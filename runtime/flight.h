@@ -1,0 +1,74 @@
+#pragma once
+// Flying through a model along a recorded path, with figures for every frame.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "geometry/job_monitor.h"
+#include "geometry/path.h"
+#include "runtime/session.h"
+
+namespace promenade {
+
+/// How time passes along the path.
+enum class Pacing : uint8_t {
+  /// Every frame of the path is drawn, 1/fps apart in path time, however long it takes to draw; for each the loader
+  /// gets
+  /// exactly 1/fps of its own busy time (reading, the emulated disk included, and decoding; what it does not use is
+  /// lost). So a slow machine draws the same frames with the same share of loading as one that keeps up.
+  every_frame,
+  /// The camera moves by the wall clock; a frame shows the pose of the moment it starts, frames that are late fall out.
+  real_time,
+};
+
+struct FlightOptions {
+  SessionOptions session;
+  uint32_t width_px = 1280, height_px = 720;
+  double vertical_fov_deg = 60;
+  double near_m = 0.1;
+  Pacing pacing = Pacing::every_frame;
+  bool measure_overhead = true;  ///< some empty frames before the first
+};
+
+/// `fly --json`, names as there.
+struct FlightTotals {
+  uint64_t frames = 0;
+  double frame_ms_mean = 0, frame_ms_p50 = 0, frame_ms_p99 = 0, frame_ms_stddev = 0;
+  double response_ms_p99 = 0;
+  double triangles_drawn_mean = 0, nodes_drawn_mean = 0, nodes_missing_mean = 0;
+  double toggles_per_frame = 0;
+  uint64_t cells_crossed = 0;   ///< 0 until models have cells
+  double delta_bytes_mean = 0;  ///< 0 until models have cells
+  uint64_t bytes_read = 0;
+  uint64_t reads = 0;              ///< runs of bytes that lie one behind the other in a file
+  uint64_t bytes_read_useful = 0;  ///< of segments whose node was drawn before it left memory again
+  uint64_t resident_bytes_peak = 0;
+  uint64_t peak_rss_bytes = 0;  ///< of the process
+  uint64_t stalls = 0;          ///< frames that took more than twice target_ms
+  uint64_t memory_bytes = 0;    ///< the bound
+};
+
+struct FlightReport {
+  FlightTotals totals;
+  std::vector<FrameRow> rows;
+  LoaderCounts loader;
+};
+
+/// Called after every frame, when the renderer holds its picture. An error ends the flight with it.
+using FrameCallback = std::function<Status(const FrameRow& row, Renderer& renderer)>;
+
+/// Flies. Errors: those of Session, of the callback, "interrupted".
+Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const CameraPath& path,
+                         const FlightOptions& options, const FrameCallback& on_frame, JobMonitor& monitor);
+
+/// Totals of rows (frame times, triangles, ...; what only the loader knows stays 0).
+FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms);
+
+/// The object that `fly --json` writes: the totals, a row a frame under `frames` (the name is taken by the rows, so the
+/// number of frames is their length and `frame_count`), the loader's counts under `loader`.
+std::string to_json(const FlightReport& report);
+/// The totals alone, `frames` being the number of frames: for tables of several flights.
+std::string to_json(const FlightTotals& totals);
+
+}  // namespace promenade

@@ -1,0 +1,155 @@
+#include "runtime/loader.h"
+
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "runtime/decode_part.h"
+
+namespace promenade {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+// [lakhia2004] section 4.2: "at a low operating system priority".
+constexpr int kNiceness = 10;
+// A waiting loader looks again after so long even if nobody wakes it.
+constexpr std::chrono::milliseconds kIdleWait(20);
+
+}  // namespace
+
+Loader::Loader(const ModelSource& source, const Renderer& renderer, ResidentSet& set, const LoaderOptions& options)
+    : source_(source), renderer_(renderer), set_(set), options_(options) {}
+
+Loader::Step Loader::step() {
+  const ResidentSet::Task task = set_.next_task(std::max<uint64_t>(1, options_.piece_bytes));
+  switch (task.next) {
+    case ResidentSet::Next::read:
+      return read(task);
+    case ResidentSet::Next::decode:
+      return decode(task);
+    case ResidentSet::Next::waiting:
+      return {Outcome::waiting, 0, 0};
+    case ResidentSet::Next::idle:
+      break;
+  }
+  return {};
+}
+
+Loader::Step Loader::read(const ResidentSet::Task& task) {
+  const Clock::time_point begin = Clock::now();
+  const SegmentRecord& segment = source_.model().tables.segments[task.part];
+  const uint64_t at = segment.offset + task.offset;
+  const bool contiguous = segment.file == last_file_ && at == last_end_;
+  const Status status = source_.read_piece(task.part, task.offset, task.into);
+  last_file_ = segment.file;
+  last_end_ = at + task.into.size();
+  if (status.ok())
+    set_.finish_read(task, contiguous);
+  else
+    set_.fail(task, status.error());
+  const double taken_ms = ms_since(begin);
+  double emulated_ms = contiguous ? 0 : options_.disk_seek_ms;
+  if (options_.disk_mbps) emulated_ms += double(task.into.size()) / (*options_.disk_mbps * 1e6) * 1e3;
+  const double busy_ms = std::max(taken_ms, emulated_ms);
+  return {Outcome::worked, busy_ms, busy_ms - taken_ms};
+}
+
+Loader::Step Loader::decode(const ResidentSet::Task& task) {
+  const Clock::time_point begin = Clock::now();
+  StagedPart staged;
+  const Status status =
+      decode_part(source_, renderer_, task.node, set_.texture_of_part(task.part), task.stored, staged);
+  if (!status.ok())
+    set_.fail(task, status.error());
+  else if (staged.mesh)
+    set_.finish_mesh(task, std::move(staged.mesh));
+  else
+    set_.finish_texture(task, std::move(staged.texture));
+  return {Outcome::worked, ms_since(begin), 0};
+}
+
+LoaderThread::LoaderThread(Loader& loader) : loader_(loader), thread_([this] { loop(); }) {}
+
+LoaderThread::~LoaderThread() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void LoaderThread::run_freely() {
+  {
+    const std::lock_guard lock(mutex_);
+    free_ = true;
+    quiet_ = false;
+    ++wakes_;
+  }
+  changed_.notify_all();
+}
+
+void LoaderThread::grant(double ms) {
+  {
+    const std::lock_guard lock(mutex_);
+    free_ = false;
+    // A debt (a decode that took longer than was left) is carried over; what was left is not.
+    credit_ms_ = std::min(credit_ms_, 0.0) + ms;
+    quiet_ = false;
+    ++wakes_;
+  }
+  changed_.notify_all();
+}
+
+void LoaderThread::wake() {
+  {
+    const std::lock_guard lock(mutex_);
+    quiet_ = false;
+    ++wakes_;
+  }
+  changed_.notify_all();
+}
+
+void LoaderThread::wait() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return quiet_ || stop_; });
+}
+
+void LoaderThread::loop() {
+  // Refused without rights on some systems: then it runs at the usual priority.
+  static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNiceness));
+  std::unique_lock lock(mutex_);
+  while (!stop_) {
+    const uint64_t wakes = wakes_;
+    Loader::Step step;
+    const bool allowed = free_ || credit_ms_ > 0;
+    if (allowed) {
+      lock.unlock();
+      step = loader_.step();
+      lock.lock();
+      credit_ms_ -= step.busy_ms;
+    }
+    if (allowed && step.outcome == Loader::Outcome::worked) {
+      // The emulated disk is still busy: sleep, unless told to stop.
+      if (step.owed_ms > 0)
+        changed_.wait_for(lock, std::chrono::duration<double, std::milli>(step.owed_ms), [this] { return stop_; });
+      continue;
+    }
+    if (wakes != wakes_) continue;  // something changed while it looked
+    quiet_ = true;
+    changed_.notify_all();
+    changed_.wait_for(lock, kIdleWait, [&] { return stop_ || wakes != wakes_; });
+  }
+  quiet_ = true;
+  changed_.notify_all();
+}
+
+}  // namespace promenade

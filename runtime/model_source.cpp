@@ -1,0 +1,41 @@
+#include "runtime/model_source.h"
+
+#include <fmt/format.h>
+
+#include "codec/geometry_codec.h"
+#include "codec/image_codec.h"
+#include "layout/model_io.h"
+
+namespace promenade {
+namespace {
+
+class ReaderSource final : public ModelSource {
+ public:
+  explicit ReaderSource(const ModelReader& reader) : reader_(reader) {}
+
+  const Model& model() const override { return reader_.model(); }
+
+  Status read_piece(uint32_t segment, uint64_t offset, std::span<std::byte> into) const override {
+    return reader_.read_piece(segment, offset, into);
+  }
+
+  Result<Mesh> decode_mesh(NodeId node, std::span<const std::byte> stored) const override {
+    PROMENADE_TRY(reader_.check_segment(model().tables.nodes[index_of(node)].segment, stored));
+    return promenade::decode_mesh(stored);
+  }
+
+  Result<Image> decode_texture(uint32_t texture, std::span<const std::byte> stored) const override {
+    const TextureRecord& record = model().tables.textures[texture];
+    PROMENADE_TRY(reader_.check_segment(record.segment, stored));
+    return decode_image(stored, fmt::format("texture {}", texture), uint64_t(record.width) * record.height);
+  }
+
+ private:
+  const ModelReader& reader_;
+};
+
+}  // namespace
+
+std::unique_ptr<ModelSource> source_of(const ModelReader& reader) { return std::make_unique<ReaderSource>(reader); }
+
+}  // namespace promenade

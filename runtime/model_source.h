@@ -1,0 +1,31 @@
+#pragma once
+// Where the runtime gets a model from: its tables, pieces of its segments, and what segments decode to.
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+#include "geometry/mesh.h"
+#include "geometry/result.h"
+#include "layout/model.h"
+
+namespace promenade {
+
+class ModelReader;
+
+/// A model on disk, or in a test's memory. All functions may be called from any thread at once.
+class ModelSource {
+ public:
+  virtual ~ModelSource() = default;
+  virtual const Model& model() const = 0;
+  /// A piece of a segment: into.size() bytes from `offset` within it.
+  virtual Status read_piece(uint32_t segment, uint64_t offset, std::span<std::byte> into) const = 0;
+  /// Whole stored bytes to the thing itself, checksum compared first. Safe on any bytes.
+  virtual Result<Mesh> decode_mesh(NodeId node, std::span<const std::byte> stored) const = 0;
+  virtual Result<Image> decode_texture(uint32_t texture, std::span<const std::byte> stored) const = 0;
+};
+
+/// The model that a reader opened. The reader must outlive it.
+std::unique_ptr<ModelSource> source_of(const ModelReader& reader);
+
+}  // namespace promenade

@@ -1,0 +1,139 @@
+#pragma once
+// Selection: which nodes to draw now, and how much every node matters for loading. Pure functions of model, view,
+// residency and a state that the caller keeps from frame to frame: no disk, no GPU, no clock.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "geometry/camera.h"
+#include "layout/model.h"
+#include "runtime/priority_list.h"
+
+namespace promenade {
+
+enum class Policy : uint8_t {
+  none,          ///< no detail elision: every leaf in the frustum
+  static_error,  ///< "static": the coarsest front whose projected error stays within pixel_error
+  time_slices,   ///< [lakhia2004] section 4.2, never refined beyond pixel_error (the default)
+  lakhia,        ///< [lakhia2004] section 4.2 as published: refines as long as time is left
+};
+/// "none", "static", "time-slices", "lakhia".
+std::string_view name_of(Policy policy);
+std::optional<Policy> policy_named(std::string_view name);
+/// All names, for usage texts: "none, static, time-slices, lakhia".
+std::string_view policy_names();
+
+/// Constants of [lakhia2004]; names and values of table 6.1 unless a reason is given.
+struct TimeSliceOptions {
+  double target_ms = 30;  ///< c_targetTime
+  /// c_textured: weight of a textured triangle, 1 - it of an untextured one. The table's 0.127 was measured on a
+  /// GeForce4, where untextured triangles cost seven times as much; here both cost about the same.
+  double textured_weight = 0.5;
+  double visibility_weight = 1.275;      ///< c_vis
+  double foreshortening_weight = 0.450;  ///< c_fore
+  /// c_hystSwitch and c_hystLimit. A counter falls by at most 1 a frame, so that the table's 1500 and 4510 would take
+  /// 45 seconds to coarsen anything, against the paper's own figures (6.6). Here a three-hundredth: a sixth of a second
+  /// at 30 frames. Larger ones flicker more, not less: the share's feedback loop then swings (tests: loops_settle).
+  double hysteresis_switch = 5;
+  double hysteresis_limit = 15.03;
+  bool hysteresis = true;  ///< false: the simpler rule, shareTime > sum of timeNeeded
+  /// Refine only when all children are resident, not only the visible ones: later detail, less flicker (section 5.2).
+  bool all_children_resident = false;
+  bool time_feedback = true;       ///< v_time follows measured frame times
+  bool share_feedback = true;      ///< shareTime of the roots follows the use of target_ms
+  double time_gain = 0.1;          ///< part of v_time's error corrected a frame, (0, 1]
+  double share_gain = 0.01;        ///< change of shareTime a frame, (0, 1)
+  double share_tolerance = 0.1;    ///< "substantially" above or below target_ms, as a part of it
+  double share_factor_max = 1000;  ///< shareTime stays within target_ms / this and target_ms * this
+};
+
+struct SelectOptions {
+  Policy policy = Policy::time_slices;
+  double pixel_error = 1;  ///< pixels; static and time_slices
+  TimeSliceOptions time;
+  /// The eye is taken where it will be this much later, for priorities only ("slightly adjusted based on the user's
+  /// velocity").
+  double look_ahead_s = 0.25;
+  /// A node this many times its distance outside the frustum has frustumVis 0; linear between.
+  double visibility_falloff = 0.5;
+  /// A node's distance is at least this and this part of its box's diagonal, so that the eye may be inside it.
+  double distance_min_m = 1;
+  double distance_min_diagonals = 0.25;
+};
+
+/// What a selection sees.
+struct SelectView {
+  Camera camera;
+  glm::dvec3 velocity_m_per_s{0};
+};
+
+/// What a selection remembers. Sized to the model on first use; byte_size counts it.
+struct SelectState {
+  struct Node {
+    float hysteresis = 0;
+    uint32_t visited = 0, drawn = 0, refined = 0;  ///< frame of the last time, 0: never
+  };
+  std::vector<Node> nodes;
+  uint32_t frame = 0;
+  double ms_per_cost = 0;        ///< v_time; 0: not known yet
+  double first_ms_per_cost = 0;  ///< v_time as first measured: the estimate without feedback
+  uint32_t measured_frames = 0;
+  double overhead_ms = 0;  ///< of a frame that draws nothing
+  double share_ms = 0;     ///< shareTime of the roots; 0: not set yet
+  /// Nodes on the way of a selection, parents before children; scratch.
+  struct Visit {
+    NodeId node = kNoNode;
+    uint32_t parent = 0xffffffffU;  ///< index of a visit
+    uint32_t uncovered_children = 0;
+    bool wanted = false;  ///< the chosen front has it; else it is on the way there
+  };
+  std::vector<Visit> visits;
+  uint64_t byte_size() const { return nodes.capacity() * sizeof(Node) + visits.capacity() * sizeof(Visit); }
+};
+
+struct Selection {
+  std::vector<NodeId> front;            ///< to draw, all resident, nearest first
+  std::vector<PriorityUpdate> updates;  ///< every node visited, each once
+  uint64_t triangles = 0;
+  uint64_t nodes_missing = 0;    ///< nodes of the chosen front that were not resident: an ancestor stands in
+  uint64_t toggles_up = 0;       ///< nodes drawn last frame, now refined ([lakhia2004] section 6.5)
+  uint64_t toggles_down = 0;     ///< nodes refined last frame, now drawn
+  uint64_t loaded_rejected = 0;  ///< sibling sets that were resident but had no time
+  double cost = 0;               ///< sum of the front's cost_n
+  double estimated_ms = 0;       ///< overhead + v_time x cost
+  double estimated_without_feedback_ms = 0;
+  std::vector<uint32_t> nodes_by_level;  ///< of the front, by NodeRecord::level
+};
+
+/// resident: one flag a node; roots must be set. Every visible path from root to leaf meets the front exactly once.
+/// `selection` is overwritten; its vectors' memory is used again.
+void select(const Model& model, const SelectView& view, std::span<const uint8_t> resident, const SelectOptions& options,
+            SelectState& state, Selection& selection);
+
+/// The feedback loops, once a frame after drawing. draw_ms: selection and drawing, what v_time is to foretell;
+/// frame_ms: all that the frame took, what shareTime is to keep near target_ms.
+void feed_back(const Selection& selection, double draw_ms, double frame_ms, const TimeSliceOptions& options,
+               SelectState& state);
+
+/// cost_n, equation 3.1. Triangles, weighted.
+double node_cost(const NodeRecord& node, const TimeSliceOptions& options);
+/// The priority that a selection gives a node, for nodes that it did not visit.
+float node_priority(const Model& model, NodeId node, const SelectView& view, const SelectOptions& options);
+
+/// The same for many nodes of one frame. model and options must outlive it.
+class NodePricer {
+ public:
+  NodePricer(const Model& model, const SelectView& view, const SelectOptions& options);
+  float operator()(NodeId node) const;
+
+ private:
+  const Model& model_;
+  const SelectOptions& options_;
+  std::shared_ptr<const void> sight_;  ///< what of the view does not depend on the node
+};
+
+}  // namespace promenade

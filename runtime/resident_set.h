@@ -1,0 +1,98 @@
+#pragma once
+// What is in memory of a model, and what should be: node states, shared textures, the priority list, and one hard bound
+// over all of it.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "geometry/result.h"
+#include "runtime/loader_counts.h"
+#include "runtime/model_source.h"
+#include "runtime/policy.h"
+#include "runtime/priority_list.h"
+#include "runtime/renderer.h"
+
+namespace promenade {
+
+/// Bytes by what holds them. Reserved before they are allocated, so that their sum never exceeds the bound.
+struct MemoryUse {
+  uint64_t fixed = 0;     ///< tables, node states, priority list, framebuffers
+  uint64_t partial = 0;   ///< stored bytes, read or being read
+  uint64_t decoding = 0;  ///< decoded but not yet staged
+  uint64_t staged = 0;    ///< waiting for upload, and the room that the upload will take
+  uint64_t uploaded = 0;  ///< in the renderer
+  uint64_t total() const { return fixed + partial + decoding + staged + uploaded; }
+};
+
+/// Thread: functions marked render on the render thread only, loader on whichever one thread steps the loader; the
+/// others from either. Everything shared is guarded by one mutex that is never held while reading, decoding, uploading
+/// or drawing.
+class ResidentSet {
+ public:
+  ResidentSet(const ModelSource& source, const Renderer& renderer, uint64_t memory_bytes, uint64_t fixed_bytes,
+              double eviction_margin);
+  ~ResidentSet();
+  ResidentSet(const ResidentSet&) = delete;
+  ResidentSet& operator=(const ResidentSet&) = delete;
+
+  // --- render ---
+  /// Loads and uploads every root, synchronously. Errors name the node or the memory that is lacking.
+  Status load_roots(Renderer& renderer);
+  /// One flag a node, constant between two calls of begin_frame() and upload(): what may be drawn.
+  std::span<const uint8_t> resident() const;
+  MeshHandle mesh_of(NodeId id) const;
+  /// Gives up what the loader asked to evict.
+  void begin_frame(Renderer& renderer);
+  /// Hands over priorities. Nodes listed before and not among `updates` are priced by `reprice` if they hold memory,
+  /// else leave the list.
+  void update(std::span<const PriorityUpdate> updates, const std::function<float(NodeId)>& reprice);
+  /// Uploads what is staged, most important first, until budget_ms is over (at least one part). Returns nodes that
+  /// became resident.
+  uint32_t upload(Renderer& renderer, double budget_ms);
+  /// Counts the bytes of these nodes' segments as useful.
+  void mark_drawn(std::span<const NodeId> front);
+  /// Destroys every handle.
+  void clear(Renderer& renderer);
+
+  // --- loader ---
+  enum class Next : uint8_t {
+    read,
+    decode,
+    waiting,  ///< for room that the render thread must first let go
+    idle,     ///< nothing is wanted, or nothing that matters more than what is in memory
+  };
+  struct Task {
+    Next next = Next::idle;
+    NodeId node = kNoNode;  ///< on whose behalf
+    uint32_t part = 0;      ///< segment index
+    uint64_t offset = 0;
+    std::span<std::byte> into;          ///< read: the next piece's place in the part's buffer
+    std::span<const std::byte> stored;  ///< decode: all of it
+  };
+  /// What to do next for the most important node that is not loaded; makes room for it by evicting less important ones.
+  Task next_task(uint64_t piece_bytes);
+  void finish_read(const Task& task, bool contiguous);
+  void finish_mesh(const Task& task, std::unique_ptr<StagedMesh> staged);
+  void finish_texture(const Task& task, std::unique_ptr<StagedTexture> staged);
+  /// The part cannot be had: the node is never asked for again.
+  void fail(const Task& task, const Error& error);
+  /// Texture index of a part, or kNoTexture for a mesh.
+  uint32_t texture_of_part(uint32_t part) const;
+
+  // --- either ---
+  MemoryUse memory() const;
+  uint64_t memory_peak_bytes() const;
+  LoaderCounts counts() const;
+  /// First few error messages of parts that failed.
+  std::vector<std::string> failures() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace promenade

@@ -1,0 +1,209 @@
+#include "runtime/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+namespace promenade {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// Heap of the model's tables.
+uint64_t table_bytes(const ModelTables& tables) {
+  const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
+  return bytes(tables.nodes) + bytes(tables.children) + bytes(tables.roots) + bytes(tables.materials) +
+         bytes(tables.textures) + bytes(tables.node_textures) + bytes(tables.segments);
+}
+
+/// What selection takes a node, its lists at their longest included.
+constexpr uint64_t kSelectBytesPerNode =
+    sizeof(SelectState::Node) + sizeof(SelectState::Visit) + sizeof(PriorityUpdate) + sizeof(NodeId);
+
+constexpr int kWarmUpFrames = 3;
+constexpr int kOverheadFrames = 8;
+/// Frames in a row without change after which a picture stands still. Time slices may take as many as a counter needs
+/// from one end of its range to the other.
+uint32_t still_frames(const SelectOptions& options) {
+  constexpr uint32_t kStillFrames = 3;
+  if (options.policy != Policy::time_slices && options.policy != Policy::lakhia) return kStillFrames;
+  return kStillFrames + static_cast<uint32_t>(2 * options.time.hysteresis_limit);
+}
+
+}  // namespace
+
+struct Session::State {
+  State(const ModelSource& from, Renderer& draws_with, const SessionOptions& with)
+      : source(from), renderer(draws_with), options(with) {}
+  ~State() {
+    thread.reset();
+    if (set) set->clear(renderer);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  Status draw(const Camera& camera);
+
+  const ModelSource& source;
+  Renderer& renderer;
+  SessionOptions options;
+  std::unique_ptr<ResidentSet> set;
+  std::unique_ptr<Loader> loader;
+  std::unique_ptr<LoaderThread> thread;
+  SelectState select_state;
+  Selection selection;
+  FrameView view;
+  std::vector<DrawItem> items;
+  std::optional<glm::dvec3> last_eye;
+  uint64_t last_bytes_read = 0;
+  double inline_credit_ms = 0;
+  uint32_t frames = 0;
+};
+
+Session::Session(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+Session::~Session() = default;
+
+Result<Session> Session::open(const ModelSource& source, Renderer& renderer, const SessionOptions& options) {
+  const Model& model = source.model();
+  if (model.tables.roots.empty()) return Error{"the model has no nodes; build it again"};
+  auto state = std::make_unique<State>(source, renderer, options);
+  const uint64_t fixed =
+      table_bytes(model.tables) + model.tables.nodes.size() * kSelectBytesPerNode + options.frame_bytes;
+  const LoaderOptions& loading = options.loader;
+  state->set = std::make_unique<ResidentSet>(source, renderer, loading.memory_bytes, fixed, loading.eviction_margin);
+  PROMENADE_TRY(state->set->load_roots(renderer));
+  state->loader = std::make_unique<Loader>(source, renderer, *state->set, loading);
+  state->view.model_origin = model.manifest.origin;
+  state->view.lighting = options.lighting;
+  state->view.background = options.background;
+  state->view.textures = options.textures;
+  if (options.loader_thread) state->thread = std::make_unique<LoaderThread>(*state->loader);
+  return Session(std::move(state));
+}
+
+Status Session::State::draw(const Camera& camera) {
+  view.camera = camera;
+  items.clear();
+  for (const NodeId id : selection.front) items.push_back({set->mesh_of(id), id, glm::mat4(1)});
+  return renderer.draw(view, items);
+}
+
+Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
+  State& s = *state_;
+  const Clock::time_point begin = Clock::now();
+  s.set->begin_frame(s.renderer);
+  s.set->upload(s.renderer, s.options.upload_budget_ms);
+  FrameRow row;
+  row.upload_ms = ms_since(begin);
+
+  const Clock::time_point selecting = Clock::now();
+  SelectView view{camera, glm::dvec3(0)};
+  if (dt_s > 0 && s.last_eye) view.velocity_m_per_s = (camera.pose.eye - *s.last_eye) / dt_s;
+  s.last_eye = camera.pose.eye;
+  const SelectOptions& select_options = s.options.select;
+  select(s.source.model(), view, s.set->resident(), select_options, s.select_state, s.selection);
+  s.set->update(s.selection.updates, NodePricer(s.source.model(), view, select_options));
+  s.set->mark_drawn(s.selection.front);
+  if (s.thread) s.thread->wake();
+  row.select_ms = ms_since(selecting);
+
+  const Clock::time_point drawing = Clock::now();
+  PROMENADE_TRY(s.draw(camera));
+  row.draw_ms = ms_since(drawing);
+
+  row.frame_ms = ms_since(begin);
+  row.response_ms = row.frame_ms;
+  row.frame = s.frames++;
+  row.estimated_ms = s.selection.estimated_ms;
+  row.estimated_without_feedback_ms = s.selection.estimated_without_feedback_ms;
+  row.share_ms = s.select_state.share_ms;
+  row.triangles_drawn = s.selection.triangles;
+  row.nodes_drawn = s.selection.front.size();
+  row.nodes_missing = s.selection.nodes_missing;
+  row.toggles_up = s.selection.toggles_up;
+  row.toggles_down = s.selection.toggles_down;
+  row.toggles = row.toggles_up + row.toggles_down;
+  row.nodes_by_level = s.selection.nodes_by_level;
+  row.resident_bytes = s.set->memory().total();
+  const uint64_t bytes_read = s.set->counts().bytes_read;
+  row.bytes_read = bytes_read - s.last_bytes_read;
+  s.last_bytes_read = bytes_read;
+  feed_back(s.selection, row.select_ms + row.draw_ms, row.frame_ms, select_options.time, s.select_state);
+  return row;
+}
+
+void Session::run_loader(double ms) {
+  State& s = *state_;
+  if (s.thread) {
+    s.thread->grant(ms);
+    return;
+  }
+  s.inline_credit_ms = std::min(s.inline_credit_ms, 0.0) + ms;
+  while (s.inline_credit_ms > 0) {
+    const Loader::Step step = s.loader->step();
+    if (step.outcome != Loader::Outcome::worked) break;
+    s.inline_credit_ms -= step.busy_ms;
+  }
+}
+
+void Session::wait_for_loader() {
+  if (state_->thread) state_->thread->wait();
+}
+
+Result<FrameRow> Session::settle(const Camera& camera, uint32_t max_frames) {
+  constexpr double kUnlimitedMs = 1e9;
+  FrameRow last;
+  const uint32_t enough = still_frames(state_->options.select);
+  uint32_t still = 0;
+  uint64_t loaded_before = ~uint64_t(0);
+  for (uint32_t i = 0; i < std::max(1U, max_frames) && still < enough; ++i) {
+    Result<FrameRow> row = frame(camera, 0);
+    if (!row) return row.error();
+    run_loader(kUnlimitedMs);
+    wait_for_loader();
+    const LoaderCounts counts = loader_counts();
+    const uint64_t loaded = counts.nodes_loaded + counts.textures_loaded + counts.pieces;
+    const bool same =
+        loaded == loaded_before && row->nodes_drawn == last.nodes_drawn && row->triangles_drawn == last.triangles_drawn;
+    still = same ? still + 1 : 0;
+    loaded_before = loaded;
+    last = *row;
+  }
+  return last;
+}
+
+Status Session::measure_overhead(const Camera& camera) {
+  State& s = *state_;
+  s.view.camera = camera;
+  // The first frames compile shaders: keep that out of every figure.
+  s.items.clear();
+  for (const NodeId root : s.source.model().tables.roots) s.items.push_back({s.set->mesh_of(root), root, glm::mat4(1)});
+  for (int i = 0; i < kWarmUpFrames; ++i) PROMENADE_TRY(s.renderer.draw(s.view, s.items));
+  double least_ms = 1e9;
+  for (int i = 0; i < kOverheadFrames; ++i) {
+    const Clock::time_point begin = Clock::now();
+    PROMENADE_TRY(s.renderer.draw(s.view, {}));
+    least_ms = std::min(least_ms, ms_since(begin));
+  }
+  s.select_state.overhead_ms = least_ms;
+  return Done{};
+}
+
+const Selection& Session::selection() const { return state_->selection; }
+const SelectState& Session::select_state() const { return state_->select_state; }
+LoaderCounts Session::loader_counts() const { return state_->set->counts(); }
+std::vector<std::string> Session::failures() const { return state_->set->failures(); }
+uint64_t Session::resident_bytes() const { return state_->set->memory().total(); }
+uint64_t Session::resident_bytes_peak() const { return state_->set->memory_peak_bytes(); }
+SelectOptions& Session::select_options() { return state_->options.select; }
+FrameView& Session::frame_view() { return state_->view; }
+
+}  // namespace promenade

@@ -1,0 +1,89 @@
+#pragma once
+// A model being looked at: resident set, loader, policy and renderer, a frame at a time. What `fly`, `view` and `render
+// MODEL` have in common.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "geometry/result.h"
+#include "runtime/loader.h"
+#include "runtime/model_source.h"
+#include "runtime/policy.h"
+#include "runtime/renderer.h"
+
+namespace promenade {
+
+struct SessionOptions {
+  SelectOptions select;
+  LoaderOptions loader;
+  /// Time a frame for handing loaded nodes to the renderer. At least one is handed over, so that loading never stops.
+  double upload_budget_ms = 4;
+  /// false: the loader runs only inside run_loader(): the same steps in the same order each time.
+  bool loader_thread = true;
+  /// Counted against the memory bound besides the model: the renderer's framebuffers (Renderer::frame_bytes).
+  uint64_t frame_bytes = 0;
+  Lighting lighting;
+  Background background;
+  bool textures = true;
+};
+
+/// What one frame did. Names as in `fly --json`.
+struct FrameRow {
+  uint32_t frame = 0;
+  double t_s = 0;
+  double frame_ms = 0;  ///< select + upload + draw: what the render thread was busy with
+  double select_ms = 0, upload_ms = 0, draw_ms = 0;
+  double response_ms = 0;  ///< from reading the pose to the finished picture, waiting included
+  double estimated_ms = 0, estimated_without_feedback_ms = 0;
+  double share_ms = 0;  ///< shareTime of the roots
+  uint64_t triangles_drawn = 0, nodes_drawn = 0, nodes_missing = 0;
+  uint64_t toggles = 0, toggles_up = 0, toggles_down = 0;
+  uint64_t resident_bytes = 0;  ///< all that the memory bound counts
+  uint64_t bytes_read = 0;      ///< since the frame before
+  std::vector<uint32_t> nodes_by_level;
+};
+
+/// One thread (the renderer's).
+class Session {
+ public:
+  /// Loads the roots. source and renderer must outlive the session. Errors: a root that cannot be read; a memory bound
+  /// below what tables, roots and one node's loading take (the message says how much is needed).
+  static Result<Session> open(const ModelSource& source, Renderer& renderer, const SessionOptions& options);
+  Session(Session&&) noexcept;
+  Session& operator=(Session&&) noexcept;
+  ~Session();
+
+  /// Selects, hands priorities to the loader, uploads what it brought, draws. dt_s: path time since the last frame, for
+  /// the velocity; 0 at first.
+  Result<FrameRow> frame(const Camera& camera, double dt_s);
+
+  /// Gives the loader this much of its own time. With a thread: it may run on beside the caller; without: runs it here.
+  void run_loader(double ms);
+  /// Waits until the loader has nothing to do or has spent its time. Only with a thread does it wait at all.
+  void wait_for_loader();
+  /// Repeats frames from where the camera stands until nothing that the policy asks for is missing and loadable, or
+  /// max_frames are drawn: a still picture.
+  Result<FrameRow> settle(const Camera& camera, uint32_t max_frames = 2000);
+
+  /// Time of a frame that draws nothing: [lakhia2004]'s fixed overhead. Draws a few.
+  Status measure_overhead(const Camera& camera);
+
+  const Selection& selection() const;
+  const SelectState& select_state() const;
+  LoaderCounts loader_counts() const;
+  /// Messages of the first few segments that could not be read, decoded or uploaded.
+  std::vector<std::string> failures() const;
+  uint64_t resident_bytes() const;
+  uint64_t resident_bytes_peak() const;
+  SelectOptions& select_options();  ///< may be changed between frames
+  FrameView& frame_view();          ///< light and background; may be changed between frames
+
+ private:
+  struct State;
+  explicit Session(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace promenade

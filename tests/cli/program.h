@@ -1,0 +1,33 @@
+#pragma once
+// Runs build/promenade as a user would.
+
+#include <filesystem>
+#include <string>
+
+namespace promenade {
+
+struct ProgramRun {
+  int exit_code = -1;
+  std::string out, err;
+};
+
+/// Runs the program with shell words, in `folder`; bounded in time.
+ProgramRun run_program(const std::string& words, const std::filesystem::path& folder);
+
+/// A new empty folder that goes when the object does.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void write_text(const std::filesystem::path& path, const std::string& text);
+std::string read_text(const std::filesystem::path& path);
+
+}  // namespace promenade

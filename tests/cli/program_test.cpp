@@ -1,0 +1,160 @@
+// The program as its users meet it: a city generated, built, looked at and flown through; usage; errors.
+
+#include "program.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace promenade {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json json_in(const fs::path& file) { return json::parse(read_text(file)); }
+
+/// One line on standard error that starts with the program's name.
+void expect_one_clear_line(const ProgramRun& run, const std::string& names) {
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_EQ(run.err.rfind("promenade: ", 0), 0U) << run.err;
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  EXPECT_NE(run.err.find(names), std::string::npos) << run.err;
+}
+
+/// A city that is generated and built once for all tests.
+class SmallCity : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    generated_ = new ProgramRun(
+        run_program("generate city --seed 3 --triangles 100000 -o city.glb --json generate.json", folder()));
+    built_ =
+        new ProgramRun(run_program("build city.glb -o city.prom --memory 1GiB --jobs 2 --json build.json", folder()));
+  }
+  static void TearDownTestSuite() { delete folder_, delete generated_, delete built_; }
+  static const fs::path& folder() { return folder_->path(); }
+
+  static inline TemporaryFolder* folder_ = nullptr;
+  static inline ProgramRun* generated_ = nullptr;
+  static inline ProgramRun* built_ = nullptr;
+};
+
+TEST_F(SmallCity, is_generated_with_its_paths) {
+  ASSERT_EQ(generated_->exit_code, 0) << generated_->err;
+  for (const char* file : {"city.glb", "city_walk.json", "city_drive.json", "city_fly.json"})
+    EXPECT_TRUE(fs::exists(folder() / file)) << file;
+  const json figures = json_in(folder() / "generate.json");
+  EXPECT_NEAR(figures["triangles"].get<double>(), 100000, 10000);
+}
+
+TEST_F(SmallCity, is_built_with_the_figures_of_the_contract) {
+  ASSERT_EQ(built_->exit_code, 0) << built_->err;
+  const json figures = json_in(folder() / "build.json");
+  for (const char* name : {"triangles_in", "nodes", "bytes_by_part", "stage_wall_s", "build_wall_s", "peak_rss_bytes"})
+    EXPECT_TRUE(figures.contains(name)) << name;
+  EXPECT_GE(figures["triangles_in"].get<uint64_t>(), 90000U);
+  EXPECT_GT(figures["nodes"].get<uint64_t>(), 50U);
+  EXPECT_FALSE(fs::exists(folder() / "city.prom.work")) << "the working files of a finished build stay behind";
+}
+
+TEST_F(SmallCity, info_tells_its_levels) {
+  const ProgramRun run = run_program("info city.prom --json info.json", folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "info.json");
+  EXPECT_EQ(figures["nodes"], json_in(folder() / "build.json")["nodes"]);
+  const json& levels = figures["levels"];
+  ASSERT_GE(levels.size(), 2U);
+  EXPECT_EQ(levels[0]["nodes"], 1);
+  EXPECT_GT(levels[0]["error_m_max"], levels.back()["error_m_mean"]);
+}
+
+TEST_F(SmallCity, is_flown_through_within_its_bound_with_a_row_a_frame) {
+  const ProgramRun run = run_program(
+      "fly city.prom --path city_walk.json --seconds 1 --size 160x90 --memory 64MiB --offscreen osmesa --frames "
+      "pictures --frames-every 10 "
+      "--report walk.html --json fly.json",
+      folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "fly.json");
+  ASSERT_EQ(figures["frames"].size(), 31U);
+  for (const char* name :
+       {"frame_ms_p50", "frame_ms_p99", "frame_ms_stddev", "response_ms_p99", "triangles_drawn_mean",
+        "nodes_drawn_mean", "nodes_missing_mean", "toggles_per_frame", "cells_crossed", "delta_bytes_mean",
+        "bytes_read", "reads", "bytes_read_useful", "resident_bytes_peak", "peak_rss_bytes", "stalls"})
+    EXPECT_TRUE(figures[name].is_number()) << name;
+  EXPECT_LE(figures["resident_bytes_peak"].get<uint64_t>(), uint64_t(64) << 20);
+  EXPECT_GT(figures["triangles_drawn_mean"].get<double>(), 0);
+  EXPECT_TRUE(fs::exists(folder() / "pictures" / "frame_0010.png"));
+  EXPECT_FALSE(fs::exists(folder() / "pictures" / "frame_0005.png"));
+  const std::string page = read_text(folder() / "walk.html");
+  EXPECT_NE(page.find("</html>"), std::string::npos);
+  EXPECT_NE(page.find("data:image/jpeg;base64,"), std::string::npos);
+}
+
+TEST_F(SmallCity, looks_the_same_from_the_model_at_full_detail_and_from_the_source) {
+  const json key = json_in(folder() / "city_fly.json")["keys"][0];
+  const std::string camera = key["eye"][0].dump() + "," + key["eye"][1].dump() + "," + key["eye"][2].dump() + "," +
+                             key["yaw_deg"].dump() + "," + key["pitch_deg"].dump();
+  const std::string rest = " --camera " + camera + " --size 160x90 --offscreen osmesa --aov depth -o ";
+  const ProgramRun model = run_program("render city.prom --policy none" + rest + "model.exr", folder());
+  const ProgramRun source = run_program("render city.glb" + rest + "source.exr", folder());
+  ASSERT_EQ(model.exit_code, 0) << model.err;
+  ASSERT_EQ(source.exit_code, 0) << source.err;
+  const std::string compare =
+      "cd '" + folder().string() + "' && idiff -q -fail 0.05 -failpercent 1 model.exr source.exr >/dev/null";
+  EXPECT_EQ(std::system(compare.c_str()), 0) << "depths differ by more than 5 cm in more than 1 % of the pixels";
+}
+
+TEST_F(SmallCity, a_corrupt_model_is_named_and_not_drawn) {
+  fs::copy(folder() / "city.prom", folder() / "corrupt.prom", fs::copy_options::recursive);
+  fs::resize_file(folder() / "corrupt.prom" / "tables.bin", 100);
+  expect_one_clear_line(run_program("info corrupt.prom", folder()), "tables.bin");
+}
+
+TEST(Usage, errors_exit_with_2_and_help_with_0) {
+  const TemporaryFolder folder;
+  for (const char* words :
+       {"", "dance", "build", "build x --nonsense", "fly x", "generate city", "generate village -o x.glb",
+        "render x -o y.png", "render x -o y.png --camera 1,2,3", "build x -o y --memory lots",
+        "fly x --path p --policy magic", "render x -o y.png --camera 0,0,0,0,0 --size 0x0"})
+    EXPECT_EQ(run_program(words, folder.path()).exit_code, 2) << words;
+  for (const char* words : {"--help", "--version", "generate --help", "build --help", "info --help", "render --help",
+                            "fly --help", "view --help"}) {
+    const ProgramRun run = run_program(words, folder.path());
+    EXPECT_EQ(run.exit_code, 0) << words;
+    EXPECT_FALSE(run.out.empty()) << words;
+  }
+}
+
+TEST(Errors, name_the_file_and_leave_nothing_behind) {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "broken.glb", "glTF, but not really");
+  write_text(folder.path() / "empty.obj", "# nothing\n");
+  write_text(folder.path() / "path.json", "{}");
+  expect_one_clear_line(run_program("build missing.glb -o m", folder.path()), "missing.glb");
+  expect_one_clear_line(run_program("build broken.glb -o m", folder.path()), "broken.glb");
+  expect_one_clear_line(run_program("build empty.obj -o m", folder.path()), "no triangles");
+  expect_one_clear_line(run_program("info broken.glb", folder.path()), "broken.glb");
+  expect_one_clear_line(run_program("fly missing --path path.json", folder.path()), "path.json");
+  expect_one_clear_line(run_program("render empty.obj --camera 0,0,0,0,0 -o x.png --offscreen osmesa", folder.path()),
+                        "no triangles");
+  EXPECT_FALSE(fs::exists(folder.path() / "m"));
+  EXPECT_FALSE(fs::exists(folder.path() / "x.png"));
+}
+
+TEST(Building, one_triangle_is_a_model_that_can_be_looked_at) {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "one.obj", "v 0 0 0\nv 1 0 0\nv 0 0 -1\nf 1 2 3\n");
+  const ProgramRun build = run_program("build one.obj -o one.prom --json build.json", folder.path());
+  ASSERT_EQ(build.exit_code, 0) << build.err;
+  EXPECT_EQ(json_in(folder.path() / "build.json")["nodes"], 1);
+  // The triangle lies on the ground (y up turned to z up); seen from above it fills the middle of the picture.
+  const ProgramRun render =
+      run_program("render one.prom --camera 0.3,0.3,1,0,-90 --size 64x64 --offscreen osmesa -o one.png", folder.path());
+  ASSERT_EQ(render.exit_code, 0) << render.err;
+  EXPECT_GT(fs::file_size(folder.path() / "one.png"), 100U);
+}
+
+}  // namespace
+}  // namespace promenade

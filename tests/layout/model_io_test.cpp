@@ -1,0 +1,258 @@
+#include "layout/model_io.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/layout/faulty_file_system.h"
+#include "tests/layout/model_fixtures.h"
+#include "tests/layout/temporary_folder.h"
+
+namespace promenade {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// The version that the model at a path says; or the error.
+std::string version_at(const fs::path& path) {
+  const Result<ModelReader> reader = ModelReader::open(path);
+  if (!reader) return "error: " + reader.error().message;
+  const Status sound = [&] {
+    JobMonitor monitor;
+    return verify_checksums(*reader, monitor);
+  }();
+  return sound ? reader->model().manifest.tool_version : "error: " + sound.error().message;
+}
+
+void flip_byte(const fs::path& path, std::streamoff at) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekg(at);
+  const auto byte = static_cast<char>(file.get() ^ 1);
+  file.seekp(at);
+  file.put(byte);
+}
+
+TEST(Model, reads_back_what_was_written) {
+  TemporaryFolder folder;
+  const Status written = write_squares(folder / "m.prom");
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_THAT(folder.names(), ElementsAre("m.prom"));
+  const Result<ModelReader> reader = ModelReader::open((folder / "m.prom").string() + "/");
+  ASSERT_TRUE(reader) << reader.error().message;
+  const ModelTables expected = root_and_two_leaves();
+  EXPECT_EQ(reader->model().tables.nodes, expected.nodes);
+  EXPECT_EQ(reader->model().children_of(NodeId{0}).size(), 2U);
+  EXPECT_EQ(reader->model().manifest.settings, manifest_of_squares().settings);
+  const Result<Mesh> mesh = reader->read_mesh(NodeId{2});
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_EQ(bounds(*mesh), (Box{{2, 0, 0}, {3, 1, 0}}));
+  EXPECT_EQ(mesh->materials, (std::vector<uint32_t>{1, 1}));
+  const Result<Image> image = reader->read_texture(0);
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->pixels, two_by_one().pixels);
+}
+
+TEST(Model, reads_pieces_that_make_the_segment) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(write_squares(folder / "m"));
+  const Result<ModelReader> reader = ModelReader::open(folder / "m");
+  ASSERT_TRUE(reader);
+  const Result<std::vector<std::byte>> whole = reader->read_segment(1);
+  ASSERT_TRUE(whole);
+  std::vector<std::byte> pieces(whole->size());
+  for (size_t at = 0; at < pieces.size(); at += 10)
+    ASSERT_TRUE(reader->read_piece(1, at, std::span(pieces).subspan(at, std::min<size_t>(10, pieces.size() - at))));
+  EXPECT_EQ(pieces, *whole);
+  EXPECT_TRUE(reader->check_segment(1, pieces));
+  pieces[3] ^= std::byte{1};
+  EXPECT_THAT(reader->check_segment(1, pieces).error().message, HasSubstr("geometry.bin: segment 1 @"));
+  EXPECT_FALSE(reader->read_piece(1, 5, pieces));
+  EXPECT_FALSE(reader->read_piece(1, ~uint64_t(0), pieces));
+}
+
+TEST(Model, is_the_same_bytes_each_time) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(write_squares(folder / "a") && write_squares(folder / "b"));
+  for (const char* name : {"manifest.json", "tables.bin", "geometry.bin", "textures.bin"})
+    EXPECT_EQ(*read_file(folder / "a" / name), *read_file(folder / "b" / name)) << name;
+}
+
+TEST(ModelWriter, replaces_a_model_only_when_finished) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(write_squares(folder / "m", real_file_system(), "old"));
+  {
+    Result<ModelWriter> writer = ModelWriter::create(folder / "m");
+    ASSERT_TRUE(writer);
+    ASSERT_TRUE(append_squares(*writer));
+    EXPECT_EQ(version_at(folder / "m"), "old");
+  }
+  EXPECT_THAT(folder.names(), ElementsAre("m"));
+  ASSERT_TRUE(write_squares(folder / "m", real_file_system(), "new"));
+  EXPECT_EQ(version_at(folder / "m"), "new");
+  EXPECT_THAT(folder.names(), ElementsAre("m"));
+}
+
+TEST(ModelWriter, refuses_to_replace_what_is_no_model) {
+  TemporaryFolder folder;
+  fs::create_directory(folder / "photos");
+  ASSERT_TRUE(write_file(folder / "photos" / "a.jpg", std::string_view("kept")));
+  EXPECT_THAT(ModelWriter::create(folder / "photos").error().message, HasSubstr("exists and is no model"));
+  EXPECT_THAT(ModelWriter::create(folder / "photos" / "a.jpg").error().message, HasSubstr("exists and is no model"));
+  fs::rename(folder / "photos", folder / "m.partial");
+  EXPECT_THAT(ModelWriter::create(folder / "m").error().message, HasSubstr("no part of a model; move them away"));
+  EXPECT_TRUE(fs::exists(folder / "m.partial" / "a.jpg"));
+  EXPECT_THAT(ModelWriter::create("").error().message, HasSubstr("is no name for a model"));
+}
+
+TEST(ModelWriter, is_alone_at_its_path) {
+  TemporaryFolder folder;
+  const Result<ModelWriter> first = ModelWriter::create(folder / "m");
+  ASSERT_TRUE(first);
+  EXPECT_THAT(ModelWriter::create(folder / "m").error().message, HasSubstr("is in use by another process"));
+  EXPECT_TRUE(ModelWriter::create(folder / "other"));
+}
+
+TEST(ModelWriter, refuses_unsound_tables) {
+  TemporaryFolder folder;
+  {
+    Result<ModelWriter> writer = ModelWriter::create(folder / "m");
+    ASSERT_TRUE(writer && append_squares(*writer));
+    ModelTables tables = root_and_two_leaves();
+    tables.nodes[1].segment = 17;
+    EXPECT_THAT(writer->finish(tables, manifest_of_squares()).error().message, HasSubstr("segment 17 is no mesh"));
+  }
+  EXPECT_THAT(folder.names(), IsEmpty());
+}
+
+TEST(ModelWriter, keeps_the_old_model_or_brings_the_new_one_whichever_call_fails) {
+  TemporaryFolder folder;
+  FaultyFileSystem sound;
+  ASSERT_TRUE(write_squares(folder / "m", sound, "old"));
+  sound.calls = 0;
+  ASSERT_TRUE(write_squares(folder / "m", sound, "new"));
+  const uint64_t calls = sound.calls;
+  ASSERT_GT(calls, 30U);
+  for (const bool ever_after : {false, true}) {
+    for (uint64_t call = 0; call < calls; ++call) {
+      FaultyFileSystem faultless;
+      ASSERT_TRUE(write_squares(folder / "m", faultless, "old"));
+      FaultyFileSystem files;
+      files.failing_call = call;
+      files.fails_ever_after = ever_after;
+      const Status status = write_squares(folder / "m", files, "new");
+      const std::string version = version_at(folder / "m");
+      EXPECT_TRUE(version == "new" || (version == "old" && !status)) << call << ": " << version;
+      ASSERT_TRUE(write_squares(folder / "m", faultless, "next")) << call;
+      EXPECT_THAT(folder.names(), ElementsAre("m")) << call;
+    }
+  }
+}
+
+TEST(ModelWriter, leaves_nothing_when_the_disk_fills_up_at_any_byte) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(write_squares(folder / "m"));
+  uint64_t all = 0;
+  for (const auto& entry : fs::directory_iterator(folder / "m")) all += entry.file_size();
+  fs::remove_all(folder / "m");
+  for (uint64_t free_bytes = 0; free_bytes < all; free_bytes += 97) {
+    FaultyFileSystem files;
+    files.free_bytes = free_bytes;
+    const Status status = write_squares(folder / "m", files);
+    ASSERT_FALSE(status);
+    EXPECT_THAT(status.error().message, HasSubstr("free some space"));
+    EXPECT_THAT(folder.names(), IsEmpty());
+  }
+}
+
+TEST(ModelWriter, survives_short_writes_and_interrupts) {
+  TemporaryFolder folder;
+  FaultyFileSystem files;
+  files.largest_transfer_bytes = 13;
+  files.interrupts = true;
+  const Status status = write_squares(folder / "m", files);
+  ASSERT_TRUE(status) << status.error().message;
+  EXPECT_EQ(version_at(folder / "m"), "0.0.1");
+}
+
+TEST(Model, is_found_after_a_crash_between_the_two_renames) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(write_squares(folder / "m", real_file_system(), "old"));
+  fs::rename(folder / "m", folder / "m.old");
+  EXPECT_EQ(version_at(folder / "m"), "old");
+  { ASSERT_TRUE(ModelWriter::create(folder / "m")); }
+  EXPECT_THAT(folder.names(), ElementsAre("m"));
+  EXPECT_EQ(version_at(folder / "m"), "old");
+}
+
+TEST(ModelReader, says_what_it_cannot_open) {
+  TemporaryFolder folder;
+  EXPECT_THAT(version_at(folder / "none"), HasSubstr("there is no such model"));
+  ASSERT_TRUE(write_file(folder / "file", std::string_view("x")));
+  EXPECT_THAT(version_at(folder / "file"), HasSubstr("is a file, not a model"));
+  fs::create_directory(folder / "empty");
+  EXPECT_THAT(version_at(folder / "empty"), HasSubstr("has no manifest.json"));
+}
+
+TEST(ModelReader, reports_a_damaged_byte_of_any_file_by_file_and_place) {
+  for (const char* name : {"manifest.json", "tables.bin", "geometry.bin", "textures.bin"}) {
+    TemporaryFolder folder;
+    ASSERT_TRUE(write_squares(folder / "m"));
+    flip_byte(folder / "m" / name, static_cast<std::streamoff>(fs::file_size(folder / "m" / name) / 2));
+    const std::string message = version_at(folder / "m");
+    EXPECT_THAT(message, testing::StartsWith("error: ")) << name;
+    EXPECT_THAT(message, HasSubstr(name));
+  }
+}
+
+TEST(ModelReader, rejects_truncated_files_and_files_of_two_builds) {
+  for (const char* name : {"manifest.json", "tables.bin", "geometry.bin", "textures.bin"}) {
+    TemporaryFolder folder;
+    ASSERT_TRUE(write_squares(folder / "m"));
+    fs::resize_file(folder / "m" / name, fs::file_size(folder / "m" / name) - 1);
+    EXPECT_THAT(version_at(folder / "m"), HasSubstr(name));
+    fs::remove(folder / "m" / name);
+    EXPECT_THAT(version_at(folder / "m"), testing::StartsWith("error: ")) << name;
+  }
+  TemporaryFolder folder;
+  ASSERT_TRUE(write_squares(folder / "m"));
+  ModelTables other = root_and_two_leaves();
+  other.materials[0].color = {1, 2, 3, 255};
+  {
+    Result<ModelWriter> writer = ModelWriter::create(folder / "n");
+    ASSERT_TRUE(writer && append_squares(*writer) && writer->finish(other, manifest_of_squares()));
+  }
+  fs::copy_file(folder / "n" / "tables.bin", folder / "m" / "tables.bin", fs::copy_options::overwrite_existing);
+  EXPECT_THAT(version_at(folder / "m"), HasSubstr("the files are not of one build"));
+}
+
+TEST(ModelReader, fails_cleanly_whichever_call_fails) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(write_squares(folder / "m"));
+  FaultyFileSystem sound;
+  ASSERT_TRUE(ModelReader::open(folder / "m", sound));
+  for (uint64_t call = 0; call < sound.calls; ++call) {
+    FaultyFileSystem files;
+    files.failing_call = call;
+    const auto reader = ModelReader::open(folder / "m", files);
+    ASSERT_FALSE(reader) << call;
+    EXPECT_THAT(reader.error().message, HasSubstr("m"));
+  }
+}
+
+TEST(VerifyChecksums, stops_when_asked) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(write_squares(folder / "m"));
+  const Result<ModelReader> reader = ModelReader::open(folder / "m");
+  ASSERT_TRUE(reader);
+  class Impatient : public JobMonitor {
+    bool cancelled() const override { return true; }
+  } monitor;
+  EXPECT_EQ(verify_checksums(*reader, monitor).error().message, "interrupted");
+}
+
+}  // namespace
+}  // namespace promenade

@@ -1,0 +1,275 @@
+#include "preprocess/build.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "codec/image_codec.h"
+#include "geometry/closest_point.h"
+#include "tests/layout/faulty_file_system.h"
+#include "tests/preprocess/build_fixtures.h"
+#include "tests/preprocess/surfaces.h"
+
+namespace promenade {
+namespace {
+
+using testing::HasSubstr;
+
+/// Stops the build at the n-th progress of a stage.
+class CancelAt : public JobMonitor {
+ public:
+  CancelAt(std::string stage, int calls) : stage_(std::move(stage)), calls_(calls) {}
+  void progress(std::string_view stage, uint64_t, uint64_t) override {
+    if (stage == stage_ && --calls_ == 0) cancelled_ = true;
+  }
+  bool cancelled() const override { return cancelled_; }
+
+ private:
+  std::string stage_;
+  std::atomic<int> calls_;
+  std::atomic<bool> cancelled_ = false;
+};
+
+class Build : public testing::Test {
+ protected:
+  Result<ModelReader> built(const BuildOptions& options) {
+    figures = build_model(options, monitor);
+    EXPECT_TRUE(figures.ok()) << figures.error().message;
+    Result<ModelReader> reader = ModelReader::open(options.model);
+    EXPECT_TRUE(reader.ok()) << reader.error().message;
+    return reader;
+  }
+  std::string error_of(const BuildOptions& options) {
+    const Result<BuildFigures> result = build_model(options, monitor);
+    return result.ok() ? "" : result.error().message;
+  }
+
+  TemporaryFolder folder;
+  std::filesystem::path model = folder.path() / "model.prom";
+  JobMonitor monitor;
+  Result<BuildFigures> figures = BuildFigures{};
+};
+
+TEST_F(Build, one_triangle_becomes_one_node) {
+  const auto source = folder.write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Result<ModelReader> reader = built(small_build(source, model));
+  ASSERT_TRUE(reader.ok());
+  ASSERT_EQ(reader->model().tables.nodes.size(), 1);
+  const NodeRecord& node = reader->model().tables.nodes[0];
+  EXPECT_EQ(node.child_count, 0);
+  EXPECT_EQ(node.triangles, 1);
+  EXPECT_LT(node.error_m, 1e-5);
+  EXPECT_NEAR(node.surface_m2, 0.5, 1e-4);
+  EXPECT_EQ(node.average_normal, glm::vec3(0, 0, 1));
+  EXPECT_EQ(reader->model().manifest.source_triangles, 1);
+  EXPECT_EQ(figures->triangles_in, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "model.prom.work"));
+}
+
+/// Hills of 20,000 triangles in chunks, nodes and levels.
+class BuildHills : public Build {
+ protected:
+  Mesh mesh = test::hills(100);
+  std::filesystem::path source = folder.write("hills.obj", obj_text(mesh));
+  BuildOptions options = small_build(source, model);
+};
+
+TEST_F(BuildHills, makes_a_sound_tree_whose_leaves_are_the_source) {
+  const Result<ModelReader> reader = built(options);
+  ASSERT_TRUE(reader.ok());
+  const Model& m = reader->model();
+  EXPECT_EQ(find_defect(m), "");
+  EXPECT_EQ(m.tables.roots.size(), 1);
+  EXPECT_EQ(figures->nodes, m.tables.nodes.size());
+  EXPECT_GE(figures->levels, 4);
+  uint64_t triangles = 0;
+  for (uint32_t i = 0; i < m.tables.nodes.size(); ++i) {
+    const NodeRecord& node = m.tables.nodes[i];
+    EXPECT_LE(node.triangles, 300) << "node " << i;
+    EXPECT_LE(node.child_count, 4) << "node " << i;
+    if (node.child_count == 0) triangles += node.triangles;
+  }
+  EXPECT_EQ(triangles, 20'000) << "no triangle here is large enough to be cut";
+  EXPECT_EQ(m.manifest.source_triangles, 20'000);
+}
+
+TEST_F(BuildHills, errors_bound_the_distance_to_the_source_both_ways) {
+  const Result<ModelReader> reader = built(options);
+  ASSERT_TRUE(reader.ok());
+  const ClosestPointTree source_tree(mesh);
+  const Model& m = reader->model();
+  for (uint32_t i = 0; i < m.tables.nodes.size(); ++i) {
+    const NodeRecord& node = m.tables.nodes[i];
+    const Mesh surface = mesh_of(*reader, i);
+    for (const glm::vec3& p : surface.positions) {
+      EXPECT_TRUE(node.box.contains(p));
+      EXPECT_LE(std::sqrt(source_tree.nearest(p).distance2_m2), node.error_m * 1.0001F) << "node " << i;
+    }
+    const ClosestPointTree tree(surface);
+    for (const uint32_t leaf : leaves_below(m, i)) {
+      const Mesh detail = mesh_of(*reader, leaf);
+      const float leaf_error_m = m.tables.nodes[leaf].error_m;
+      for (uint32_t t = 0; t < detail.triangle_count(); ++t) {
+        glm::vec3 p(0);
+        for (size_t c = 0; c < 3; ++c) p += detail.positions[detail.indices[3 * t + c]] / 3.0F;
+        EXPECT_LE(std::sqrt(tree.nearest(p).distance2_m2), node.error_m + leaf_error_m) << "node " << i;
+      }
+    }
+  }
+}
+
+TEST_F(BuildHills, gives_the_same_bytes_for_any_number_of_jobs) {
+  options.jobs = 1;
+  ASSERT_TRUE(built(options).ok());
+  const auto one = bytes_of(model);
+  options.jobs = 3;
+  options.model = folder.path() / "other.prom";
+  ASSERT_TRUE(built(options).ok());
+  EXPECT_EQ(bytes_of(options.model), one);
+}
+
+TEST_F(BuildHills, goes_on_after_an_interruption_and_gives_the_same_bytes) {
+  ASSERT_TRUE(built(options).ok());
+  const auto expected = bytes_of(model);
+  options.model = folder.path() / "other.prom";
+  CancelAt cancel("simplify", 60);
+  const Result<BuildFigures> stopped = build_model(options, cancel);
+  ASSERT_FALSE(stopped.ok());
+  EXPECT_EQ(stopped.error().message, "interrupted; run the same command to go on");
+  EXPECT_FALSE(std::filesystem::exists(options.model));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "other.prom.work"));
+  ASSERT_TRUE(built(options).ok());
+  EXPECT_GT(figures->units_resumed, 0);
+  EXPECT_LT(figures->units_resumed, figures->units_total);
+  EXPECT_EQ(bytes_of(options.model), expected);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "other.prom.work"));
+}
+
+TEST_F(BuildHills, can_be_interrupted_at_every_stage) {
+  for (const char* stage : {"survey", "partition", "simplify", "write"}) {
+    CancelAt cancel(stage, 1);
+    const Result<BuildFigures> stopped = build_model(options, cancel);
+    EXPECT_FALSE(stopped.ok()) << stage;
+    EXPECT_FALSE(std::filesystem::exists(model)) << stage;
+  }
+  EXPECT_TRUE(built(options).ok());
+}
+
+TEST_F(BuildHills, does_not_take_up_work_done_with_other_settings) {
+  CancelAt cancel("simplify", 60);
+  ASSERT_FALSE(build_model(options, cancel).ok());
+  options.node_triangles = 400;
+  ASSERT_TRUE(built(options).ok());
+  EXPECT_EQ(figures->units_resumed, 0);
+}
+
+TEST_F(BuildHills, refuses_to_build_into_a_model_that_another_build_has_locked) {
+  const Result<FileLock> lock = FileLock::acquire(folder.path() / "model.prom.lock", "model");
+  ASSERT_TRUE(lock.ok());
+  EXPECT_THAT(error_of(options), HasSubstr("model.prom"));
+  EXPECT_FALSE(std::filesystem::exists(model));
+}
+
+TEST_F(BuildHills, leaves_nothing_under_the_models_name_when_the_disk_is_full) {
+  options.jobs = 1;
+  FaultyFileSystem counting;
+  counting.free_bytes = uint64_t(1) << 30;
+  ASSERT_TRUE(build_model(options, monitor, counting).ok());
+  const uint64_t needed = (uint64_t(1) << 30) - counting.free_bytes;
+  const auto expected = bytes_of(model);
+  options.model = folder.path() / "other.prom";
+  for (const uint64_t free_bytes : {uint64_t(0), uint64_t(1000), needed / 3, needed * 2 / 3, needed - 100}) {
+    FaultyFileSystem files;
+    files.free_bytes = free_bytes;
+    const Result<BuildFigures> result = build_model(options, monitor, files);
+    ASSERT_FALSE(result.ok()) << free_bytes << " bytes free";
+    EXPECT_THAT(result.error().message, HasSubstr("other.prom")) << free_bytes;
+    EXPECT_FALSE(std::filesystem::exists(options.model)) << free_bytes;
+    if (free_bytes + 100 < needed) std::filesystem::remove_all(folder.path() / "other.prom.work");
+  }
+  ASSERT_TRUE(built(options).ok());
+  EXPECT_EQ(bytes_of(options.model), expected);
+}
+
+TEST_F(BuildHills, tiles_hold_what_one_file_holds) {
+  Mesh left, right;
+  std::vector<uint32_t> sides[2];
+  for (uint32_t t = 0; t < mesh.triangle_count(); ++t)
+    sides[mesh.positions[mesh.indices[3 * t]].x < 50 ? 0 : 1].push_back(t);
+  folder.write("tiles/a.obj", obj_text(submesh(mesh, sides[0])));
+  folder.write("tiles/b.obj", obj_text(submesh(mesh, sides[1])));
+  options.sources = {folder.path() / "tiles"};
+  const Result<ModelReader> reader = built(options);
+  ASSERT_TRUE(reader.ok());
+  EXPECT_EQ(reader->model().manifest.source_triangles, 20'000);
+  EXPECT_THAT(reader->model().manifest.sources, testing::ElementsAre("a.obj", "b.obj"));
+  uint64_t triangles = 0;
+  for (const NodeRecord& node : reader->model().tables.nodes) triangles += node.child_count == 0 ? node.triangles : 0;
+  EXPECT_EQ(triangles, 20'000);
+}
+
+TEST_F(BuildHills, replaces_a_model_and_nothing_else) {
+  ASSERT_TRUE(built(options).ok());
+  ASSERT_TRUE(built(options).ok());
+  folder.write("precious.txt", "text");
+  options.model = folder.path() / "precious.txt";
+  EXPECT_THAT(error_of(options), HasSubstr("precious.txt"));
+}
+
+TEST_F(Build, keeps_the_precision_of_coordinates_far_from_zero) {
+  std::string text;
+  const Mesh mesh = test::hills(30);
+  for (const glm::vec3& p : mesh.positions)
+    text += fmt::format("v {:.4f} {:.4f} {:.4f}\n", 500'000.0 + double(p.x), 5'400'000.0 + double(p.y), double(p.z));
+  for (size_t i = 0; i < mesh.indices.size(); i += 3)
+    text += fmt::format("f {} {} {}\n", mesh.indices[i] + 1, mesh.indices[i + 1] + 1, mesh.indices[i + 2] + 1);
+  const Result<ModelReader> reader = built(small_build(folder.write("utm.obj", text), model));
+  ASSERT_TRUE(reader.ok());
+  const ModelManifest& manifest = reader->model().manifest;
+  EXPECT_NEAR(manifest.origin.x, 500'050, 1);
+  EXPECT_NEAR(manifest.origin.y, 5'400'050, 1);
+  const ClosestPointTree tree(mesh);
+  for (const uint32_t leaf : leaves_below(reader->model(), 0))
+    for (const glm::vec3& p : mesh_of(*reader, leaf).positions) {
+      const glm::vec3 at(glm::dvec3(p) + manifest.origin - glm::dvec3(500'000, 5'400'000, 0));
+      EXPECT_LT(std::sqrt(tree.nearest(at).distance2_m2), 0.002);
+    }
+}
+
+TEST_F(Build, cuts_a_large_ground_so_that_boxes_stay_tight) {
+  Mesh mesh = test::hills(60);
+  append(mesh, test::flat_grid(1, 100, -10));
+  const Result<ModelReader> reader = built(small_build(folder.write("ground.obj", obj_text(mesh)), model));
+  ASSERT_TRUE(reader.ok());
+  for (const uint32_t leaf : leaves_below(reader->model(), 0))
+    EXPECT_LT(reader->model().tables.nodes[leaf].box.diagonal(), 100);
+}
+
+TEST_F(Build, says_when_there_are_no_triangles) {
+  const auto source = folder.write("empty.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  EXPECT_THAT(error_of(small_build(source, model)), HasSubstr("empty.obj: no triangles"));
+  EXPECT_FALSE(std::filesystem::exists(model));
+}
+
+TEST_F(Build, refuses_settings_out_of_range) {
+  BuildOptions options = small_build(folder.write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), model);
+  options.node_triangles = 99;
+  EXPECT_EQ(error_of(options), "--node-triangles 99: must be between 100 and 60000");
+  options.node_triangles = 2000, options.level_factor = 17;
+  EXPECT_EQ(error_of(options), "--level-factor 17: must be between 2 and 16");
+  options.level_factor = 4, options.memory_bytes = 1 << 20;
+  EXPECT_EQ(error_of(options), "--memory 1 MiB is too little to build with; give at least 256 MiB");
+}
+
+TEST_F(Build, ends_for_triangles_in_one_place) {
+  Mesh mesh;
+  for (int i = 0; i < 3000; ++i) append(mesh, test::flat_grid(1, 10, float(i) * 1e-4F));
+  const Result<ModelReader> reader = built(small_build(folder.write("stack.obj", obj_text(mesh)), model));
+  ASSERT_TRUE(reader.ok());
+  EXPECT_EQ(find_defect(reader->model()), "");
+}
+
+}  // namespace
+}  // namespace promenade
