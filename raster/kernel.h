@@ -130,6 +130,7 @@ struct Shading {
   uint32_t plain;       ///< RGBA8 where nothing is, unless has_sky
   bool has_sky;
   bool has_textures;
+  bool orthographic;
   uint32_t* out;        ///< RGBA8, rows of the picture's width
 };
 

@@ -194,8 +194,10 @@ PROMENADE_INLINE bool write_lanes(M inside, F z, uint32_t id, float* z_out, uint
   int32_t* ids = reinterpret_cast<int32_t*>(id_out);
   const I old_id = load(ids), new_id = splat(static_cast<int32_t>(id));
   M wins = not_behind & ((z > old) | less_unsigned(new_id, old_id));
-  if constexpr (kMasked) wins = mask_of(solid_lanes(*mask, bits(wins), x, y, z));
-  if (bits(wins) == 0) return false;
+  if constexpr (kMasked) {
+    wins = mask_of(solid_lanes(*mask, bits(wins), x, y, z));
+    if (bits(wins) == 0) return false;
+  }
   store(z_out, select(wins, z, old));
   store(ids, select(wins, new_id, old_id));
   return true;
@@ -249,8 +251,7 @@ PROMENADE_INLINE void draw_small(const Frame& f, Region& r, const Batch& s, int 
         const F y = splat(y_first) + (lane_y + splat(static_cast<float>(part * (kLanes / 4)))) * scale;
         M inside = min(min(e0, e1), e2) >= zero;
         if constexpr (C == Coverage::outer) inside = inside & within(rect, f, x, y);
-        if (bits(inside) == 0) continue;
-        const F z = depth_at<C>(plane, x, y);
+        const F z = depth_at<C>(plane, x, y);  // even where nothing is inside: one unforeseen branch less
         const Int64 p = at + part * kLanes;
         written |= write_lanes<kMasked>(inside, z, static_cast<uint32_t>(s.id[t]), f.z + p, f.id + p, mask, x, y);
       }
@@ -637,7 +638,9 @@ void draw_long_way(const Frame& f, const Item& item, const Block& block, Region&
 }
 
 template <Coverage C, bool kMasked>
-void draw_block(const Frame& f, const Item& item, const Block& block, Region& r, bool needs_clip) {
+void draw_block(const Frame& frame, const Item& item, const Block& block, Region& region, bool needs_clip) {
+  const Frame f = frame;  // copies: the compiler need not fear that pixels written change them
+  Region r = region;
   BlockVertices v;
   transform_vertices(f, item, block, needs_clip, v);
   const Table64 xs(v.x), ys(v.y), zs(v.z);
@@ -684,6 +687,7 @@ void draw_block(const Frame& f, const Item& item, const Block& block, Region& r,
       draw_small<C, kMasked>(f, r, s, t, &mask);
     }
   }
+  region.counts = r.counts;
 }
 
 /// True only if every triangle of the block, anywhere in its box, shows its back.
