@@ -18,6 +18,9 @@ namespace {
 
 constexpr uint32_t kLocalTexture = 0x80000000U;  // a child's atlas rather than a shared texture
 constexpr double kStepShare = 1.0 / 8;           // of a node's error that its grid is wide: adds a tenth to the error
+// How exactly a node's distance to its children is measured: what their own errors hide, or what is small beside the
+// node, need not be (a sixth of a build's time).
+constexpr double kToleranceOfError = 0.25, kToleranceOfSize = 1e-4, kSlack = 0.25;
 // A point lies at most half a texel's diagonal from the texel's centre.
 constexpr double kTexelReach = 0.7072;
 constexpr int kMostSteps = 64;  // doublings of the grid until a mesh fits: more than any float needs
@@ -164,7 +167,9 @@ Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, cons
     surface.mesh = simplify(bare, simplify_options);
     if (surface.mesh.indices.empty())
       return Error{"simplification left no triangle: please report this with the source"};
-    const SurfaceDistance distance = surface_distance(bare, surface.mesh);
+    const double tolerance_m =
+        std::max(kToleranceOfError * surface.error_m, kToleranceOfSize * double(bounds(bare).diagonal()));
+    const SurfaceDistance distance = surface_distance(bare, surface.mesh, kSlack, tolerance_m);
     surface.error_m += double(distance.bound_m);
     surface.p99_m += double(distance.p99_m);
   } else {

@@ -20,6 +20,16 @@ glm::u8vec4 multiplied(const glm::u8vec4& a, const glm::u8vec4& b) {
   return out;
 }
 
+/// Whether every corner's normal is its triangle's.
+bool is_flat(const Mesh& mesh) {
+  constexpr float kSame = 0.99985F;  // cosine of a degree
+  for (size_t i = 0; i < mesh.indices.size(); ++i) {
+    const glm::vec3 cross = triangle_cross(mesh, i / 3);
+    if (glm::dot(cross, mesh.normals[mesh.indices[i]]) < kSame * glm::length(cross)) return false;
+  }
+  return true;
+}
+
 /// A copy of vertex v at the end.
 uint32_t duplicate_vertex(Mesh& mesh, uint32_t v) {
   const auto made = static_cast<uint32_t>(mesh.positions.size());
@@ -43,6 +53,7 @@ void drop_idle_attributes(Mesh& mesh, const std::function<bool(uint32_t)>& is_te
   }
   if (std::all_of(mesh.colors.begin(), mesh.colors.end(), [](const glm::u8vec4& c) { return c == kWhite; }))
     mesh.colors.clear();
+  if (!mesh.normals.empty() && is_flat(mesh)) mesh.normals.clear();
 }
 
 void fold_colors(Mesh& mesh, const std::vector<Material>& materials,

@@ -10,7 +10,8 @@
 
 namespace promenade {
 
-/// Drops attributes that say nothing: texture coordinates where no triangle is textured, colours that are all white.
+/// Drops attributes that say nothing: texture coordinates where no triangle is textured, colours that are all white,
+/// normals that are everywhere the triangle's own (within a degree).
 void drop_idle_attributes(Mesh& mesh, const std::function<bool(uint32_t material)>& is_textured);
 
 /// Moves untextured triangles' material colours into their vertices and gives them the material `plain_of` theirs, so

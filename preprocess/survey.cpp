@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <optional>
+#include <unordered_set>
 
 #include "codec/frame.h"
 
@@ -19,6 +20,8 @@ constexpr uint64_t kMiB = uint64_t(1) << 20;
 constexpr uint64_t kImportFactor = 4;
 // Farther than this from zero, single precision loses more than half a millimetre.
 constexpr double kFarFromZero_m = 8192;
+
+constexpr glm::u8vec4 kLostTexture{180, 178, 174, 255};  // as import draws what has no picture: a light warm grey
 
 /// Bijective, so that no two triangles have the same priority. Source: Steele et al., SplitMix64, 2014.
 uint64_t mixed(uint64_t x) {
@@ -84,6 +87,17 @@ uint64_t hash_of(const Scene& scene) {
   return hash;
 }
 
+/// Passes on everything but progress: a part's own would only disturb that of all parts.
+class QuietMonitor : public JobMonitor {
+ public:
+  explicit QuietMonitor(JobMonitor& monitor) : monitor_(monitor) {}
+  void warning(std::string_view message) override { monitor_.warning(message); }
+  bool cancelled() const override { return monitor_.cancelled(); }
+
+ private:
+  JobMonitor& monitor_;
+};
+
 /// Materials that an instanced mesh uses.
 std::vector<bool> used_materials(const Scene& scene) {
   std::vector<bool> used(scene.materials.size());
@@ -115,7 +129,7 @@ class Surveyor {
     }
     survey_.triangles += surveyed.triangles;
     for (const auto& [name, count] : scene.report.counts) survey_.report.counts[name] += count;
-    for (const std::string& warning : scene.report.warnings) survey_.report.warnings.push_back(warning);
+    for (const std::string& warning : scene.report.warnings) warn(warning);
     survey_.hash = hash_of(surveyed.hash, survey_.hash);
     // Half of the share: the other half is for parts that are being imported.
     if (const uint64_t bytes = byte_size(scene); cached_bytes_ + bytes <= budget_.scenes / 2) {
@@ -139,16 +153,25 @@ class Surveyor {
     std::vector<bool> used_textures(scene.textures.size());
     for (size_t m = 0; m < scene.materials.size(); ++m)
       if (used[m] && scene.materials[m].texture != kNoTexture) used_textures[scene.materials[m].texture] = true;
-    Result<std::vector<uint32_t>> ids = textures_.add(scene.textures, used_textures, survey_.report.warnings);
+    std::vector<std::string> notes;
+    Result<std::vector<uint32_t>> ids = textures_.add(scene.textures, used_textures, notes);
     if (!ids.ok()) return ids.error();
+    for (const std::string& note : notes) warn(note);
     surveyed.material_of.assign(scene.materials.size(), kUnusedMaterial);
     for (size_t m = 0; m < scene.materials.size(); ++m) {
       if (!used[m]) continue;
       Material material = scene.materials[m];
       if (material.texture != kNoTexture) material.texture = (*ids)[material.texture];
+      const bool lost = scene.materials[m].texture != kNoTexture && material.texture == kNoTexture;
+      if (lost && material.color == glm::u8vec4(255)) material.color = kLostTexture;
       surveyed.material_of[m] = survey_.materials.add(material);
     }
     return Done{};
+  }
+
+  /// Many tiles may lack the same picture.
+  void warn(const std::string& warning) {
+    if (warned_.insert(warning).second) survey_.report.warnings.push_back(warning);
   }
 
   void add_instance(const Mesh& mesh, const glm::dmat4& world_from_mesh) {
@@ -168,6 +191,7 @@ class Surveyor {
   TextureStore& textures_;
   SampleKeeper keeper_;
   Survey survey_;
+  std::unordered_set<std::string> warned_;
   uint64_t serial_ = 0;
   uint64_t cached_bytes_ = 0;
 };
@@ -206,6 +230,7 @@ uint64_t byte_size(const Scene& scene) {
 Result<Survey> survey_source(const std::vector<SourcePart>& parts, const ImportOptions& options,
                              const MemoryBudget& budget, TextureStore& textures, JobMonitor& monitor) {
   for (const SourcePart& part : parts) PROMENADE_TRY(check_part_size(part, budget));
+  QuietMonitor quiet(monitor);
   using Imported = std::pair<size_t, std::shared_ptr<Result<Scene>>>;
   Surveyor surveyor(budget, textures);
   std::optional<Error> failure;  // of the serial stage only
@@ -220,7 +245,7 @@ Result<Survey> survey_source(const std::vector<SourcePart>& parts, const ImportO
         }
         return next++;
       }) & tbb::make_filter<size_t, Imported>(tbb::filter_mode::parallel, [&](size_t i) -> Imported {
-        return {i, std::make_shared<Result<Scene>>(import_part(parts[i], options, monitor))};
+        return {i, std::make_shared<Result<Scene>>(import_part(parts[i], options, parts.size() > 1 ? quiet : monitor))};
       }) & tbb::make_filter<Imported, void>(tbb::filter_mode::serial_in_order, [&](const Imported& imported) {
         if (failure) return;
         Result<Scene>& scene = *imported.second;
@@ -243,7 +268,8 @@ Result<Survey> survey_source(const std::vector<SourcePart>& parts, const ImportO
 Result<std::shared_ptr<const Scene>> scene_of(const SurveyedPart& part, const ImportOptions& options,
                                               JobMonitor& monitor) {
   if (part.cached) return part.cached;
-  Result<Scene> scene = import_part(part.part, options, monitor);
+  QuietMonitor quiet(monitor);
+  Result<Scene> scene = import_part(part.part, options, quiet);
   if (!scene.ok()) return scene.error();
   if (hash_of(*scene) != part.hash)
     return Error{fmt::format("{}: changed while it was being built; build again", part.part.name)};

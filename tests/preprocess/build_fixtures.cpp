@@ -5,14 +5,14 @@
 
 namespace promenade {
 
-std::string obj_text(const Mesh& mesh, const std::string& header) {
+std::string obj_text(const Mesh& mesh, const std::string& header, size_t vertices_before) {
   std::string text = header;
   for (const glm::vec3& p : mesh.positions) text += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
   // OBJ's picture begins at the bottom.
   for (const glm::vec2& t : mesh.texcoords) text += fmt::format("vt {} {}\n", t.x, 1 - t.y);
   for (const glm::vec3& n : mesh.normals) text += fmt::format("vn {} {} {}\n", n.x, n.y, n.z);
   for (size_t i = 0; i < mesh.indices.size(); ++i) {
-    const uint32_t v = mesh.indices[i] + 1;
+    const size_t v = mesh.indices[i] + vertices_before + 1;
     text += i % 3 == 0 ? "f " : " ";
     text += fmt::format("{}/{}/{}", v, mesh.texcoords.empty() ? "" : std::to_string(v),
                         mesh.normals.empty() ? "" : std::to_string(v));

@@ -11,8 +11,9 @@
 
 namespace promenade {
 
-/// A mesh as OBJ text, z up: positions, normals and texture coordinates where it has them.
-std::string obj_text(const Mesh& mesh, const std::string& header = "");
+/// A mesh as OBJ text, z up: positions, normals and texture coordinates where it has them. vertices_before: how many
+/// the file has already.
+std::string obj_text(const Mesh& mesh, const std::string& header = "", size_t vertices_before = 0);
 
 /// Options for tests: nodes of 300 triangles, chunks of 4000, z up, two threads.
 BuildOptions small_build(const std::filesystem::path& source, const std::filesystem::path& model);

@@ -271,5 +271,149 @@ TEST_F(Build, ends_for_triangles_in_one_place) {
   EXPECT_EQ(find_defect(reader->model()), "");
 }
 
+/// A wall of 2 x 40 x 40 triangles with a picture of red and blue stripes, and a plain green floor of as many.
+class BuildTextured : public Build {
+ protected:
+  void SetUp() override {
+    Image picture{128, 128, std::vector<glm::u8vec4>(128 * 128)};
+    for (uint32_t y = 0; y < 128; ++y)
+      for (uint32_t x = 0; x < 128; ++x) picture.at(x, y) = x / 32 % 2 == 0 ? kRed : kBlue;
+    write_picture("stripes.png", picture);
+    Mesh wall = test::grid(40, 20, [](float, float) { return 0.0F; });
+    for (glm::vec3& p : wall.positions) {
+      wall.texcoords.emplace_back(p.x / 20, p.y / 20);
+      p = {p.x, 0.3F * std::sin(p.x * 2), p.y};
+    }
+    const std::string materials = "newmtl wall\nKd 1 1 1\nmap_Kd stripes.png\nnewmtl floor\nKd 0 1 0\n";
+    folder.write("textured.mtl", materials);
+    Mesh floor = test::grid(40, 20, [](float x, float y) { return 0.2F * std::sin(x + y); });
+    floor.texcoords.resize(floor.vertex_count());
+    const std::string first = obj_text(wall, "mtllib textured.mtl\nusemtl wall\n");
+    source = folder.write("textured.obj", first + obj_text(floor, "usemtl floor\n", wall.vertex_count()));
+  }
+
+  void write_picture(const std::string& name, const Image& picture) {
+    const Result<std::vector<std::byte>> png = encode_image(picture, ImageFormat::png);
+    ASSERT_TRUE(png.ok());
+    folder.write(name, {reinterpret_cast<const char*>(png->data()), png->size()});
+  }
+
+  static constexpr glm::u8vec4 kRed{220, 20, 20, 255}, kBlue{20, 20, 220, 255};
+  std::filesystem::path source;
+};
+
+bool near(const glm::u8vec4& a, const glm::u8vec4& b) {
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(int(a[i]) - int(b[i])) > 60) return false;
+  return true;
+}
+
+/// What is seen at the middle of a triangle, filters and lamps aside.
+glm::u8vec4 color_at_middle(const ModelReader& reader, const Mesh& mesh, uint32_t triangle) {
+  const Material& material = reader.model().tables.materials[mesh.material_of(triangle)];
+  glm::vec2 uv(0);
+  glm::vec3 vertex_color(0);
+  for (size_t c = 0; c < 3; ++c) {
+    const uint32_t v = mesh.indices[3 * size_t(triangle) + c];
+    if (!mesh.texcoords.empty()) uv += mesh.texcoords[v] / 3.0F;
+    vertex_color += (mesh.colors.empty() ? glm::vec3(255) : glm::vec3(mesh.colors[v])) / 3.0F;
+  }
+  glm::vec3 color = vertex_color / 255.0F * glm::vec3(material.color);
+  if (material.texture != kNoTexture) {
+    const Result<Image> image = reader.read_texture(material.texture);
+    EXPECT_TRUE(image.ok());
+    const auto texel = [](float t, uint32_t size) {
+      return std::min(static_cast<uint32_t>((t - std::floor(t)) * float(size)), size - 1);
+    };
+    color *= glm::vec3(image->at(texel(uv.x, image->width), texel(uv.y, image->height))) / 255.0F;
+  }
+  return {color, 255};
+}
+
+TEST_F(BuildTextured, leaves_share_the_sources_picture_and_others_have_their_own) {
+  const Result<ModelReader> reader = built(small_build(source, model));
+  ASSERT_TRUE(reader.ok());
+  const ModelTables& tables = reader->model().tables;
+  uint32_t atlases = 0, shared = 0;
+  for (uint32_t i = 0; i < tables.nodes.size(); ++i) {
+    const NodeRecord& node = tables.nodes[i];
+    EXPECT_EQ(node.texture_count > 0, node.textured_triangles > 0) << "node " << i;
+    for (const uint32_t texture : reader->model().textures_of(NodeId{i})) {
+      const bool is_atlas = (tables.textures[texture].flags & TextureRecord::kAtlas) != 0;
+      EXPECT_EQ(is_atlas, node.child_count > 0) << "node " << i;
+      ++(is_atlas ? atlases : shared);
+    }
+  }
+  EXPECT_GT(atlases, 1);
+  EXPECT_GT(shared, 4);
+  EXPECT_EQ(tables.textures.size(), atlases + 1) << "the source's one picture is stored once";
+  EXPECT_GT(figures->bytes_by_part["textures"], 0);
+}
+
+TEST_F(BuildTextured, nodes_of_all_levels_show_the_sources_colours) {
+  const Result<ModelReader> reader = built(small_build(source, model));
+  ASSERT_TRUE(reader.ok());
+  const glm::u8vec4 green(0, 255, 0, 255);
+  for (uint32_t i = 0; i < reader->model().tables.nodes.size(); ++i) {
+    const Mesh mesh = mesh_of(*reader, i);
+    uint32_t wrong = 0;
+    for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+      glm::vec3 p(0);
+      for (size_t c = 0; c < 3; ++c) p += mesh.positions[mesh.indices[3 * t + c]] / 3.0F;
+      const bool on_wall = std::abs(p.y) < 0.35F && p.z > 0.3F;
+      const bool on_floor = p.y > 0.5F;
+      const glm::u8vec4 expected = static_cast<int>(p.x / 5) % 2 == 0 ? kRed : kBlue;
+      const glm::u8vec4 seen = color_at_middle(*reader, mesh, t);
+      wrong += (on_wall && !near(seen, expected)) || (on_floor && !near(seen, green)) ? 1U : 0U;
+    }
+    EXPECT_LE(wrong, mesh.triangle_count() / 20) << "node " << i << ": colours at the stripes' edges may blur, no more";
+  }
+}
+
+TEST_F(BuildTextured, makes_large_pictures_smaller) {
+  BuildOptions options = small_build(source, model);
+  options.max_texture_px = 64;
+  const Result<ModelReader> reader = built(options);
+  ASSERT_TRUE(reader.ok());
+  const TextureRecord& texture = reader->model().tables.textures[0];
+  EXPECT_EQ(texture.width, 64);
+  EXPECT_EQ(texture.height, 64);
+  for (const NodeRecord& node : reader->model().tables.nodes)
+    if (node.textured_triangles > 0) {
+      EXPECT_GT(node.error_m, 0.2F) << "a texel is 20 / 64 m wide";
+    }
+}
+
+TEST_F(BuildTextured, names_a_missing_picture_and_draws_its_material_plainly) {
+  std::filesystem::remove(folder.path() / "stripes.png");
+  const Result<ModelReader> reader = built(small_build(source, model));
+  ASSERT_TRUE(reader.ok());
+  EXPECT_TRUE(reader->model().tables.textures.empty());
+  EXPECT_THAT(reader->model().manifest.notes, testing::Contains(HasSubstr("stripes.png")));
+}
+
+TEST_F(BuildTextured, names_a_broken_picture_and_draws_its_material_plainly) {
+  folder.write("stripes.png", "this is no picture");
+  const Result<ModelReader> reader = built(small_build(source, model));
+  ASSERT_TRUE(reader.ok());
+  EXPECT_TRUE(reader->model().tables.textures.empty());
+  EXPECT_THAT(reader->model().manifest.notes, testing::Contains(HasSubstr("stripes.png")));
+}
+
+TEST_F(BuildTextured, gives_the_same_bytes_after_an_interruption_and_for_any_number_of_jobs) {
+  BuildOptions options = small_build(source, model);
+  options.chunk_triangles = 1500;
+  ASSERT_TRUE(built(options).ok());
+  const auto expected = bytes_of(model);
+  options.model = folder.path() / "other.prom";
+  options.jobs = 1;
+  CancelAt cancel("simplify", 12);
+  ASSERT_FALSE(build_model(options, cancel).ok());
+  options.jobs = 3;
+  ASSERT_TRUE(built(options).ok());
+  EXPECT_GT(figures->units_resumed, 0);
+  EXPECT_EQ(bytes_of(options.model), expected);
+}
+
 }  // namespace
 }  // namespace promenade

@@ -32,7 +32,8 @@ TEST_P(SplitChunk, shares_all_triangles_out_to_full_leaves) {
   const SplitTree tree = split_chunk(mesh, unbounded_cell(), 300, GetParam());
   expect_partition(mesh, tree, 300, GetParam());
   EXPECT_NEAR(surface_area_m2(mesh), area_m2, 1e-4 * area_m2);
-  const auto leaves = std::count_if(tree.nodes.begin(), tree.nodes.end(), [](const auto& n) { return n.children.empty(); });
+  const auto leaves =
+      std::count_if(tree.nodes.begin(), tree.nodes.end(), [](const auto& n) { return n.children.empty(); });
   EXPECT_LE(leaves, 20'000 / 150) << "leaves are half empty";
 }
 
@@ -56,8 +57,7 @@ TEST(SplitChunk, ends_when_all_triangles_lie_in_one_place) {
 
 TEST(SplitChunk, ends_for_stacked_sheets) {
   Mesh mesh;
-  for (int i = 0; i < 1000; ++i)
-    append(mesh, test::flat_grid(1, 100, float(i) * 0.001F));
+  for (int i = 0; i < 1000; ++i) append(mesh, test::flat_grid(1, 100, float(i) * 0.001F));
   const SplitTree tree = split_chunk(mesh, unbounded_cell(), 100, 4);
   expect_partition(mesh, tree, 100, 4);
   EXPECT_LT(mesh.triangle_count(), 20'000);

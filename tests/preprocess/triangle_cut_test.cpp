@@ -82,9 +82,7 @@ TEST(TriangleCutter, finds_the_same_point_from_both_sides_of_an_edge) {
       points.insert(points.end(), mesh.positions.begin() + 3, mesh.positions.end());
     }
     if (points.empty()) continue;
-    const auto on_edge = [&](const glm::vec3& p) {
-      return std::count(points.begin(), points.end(), p) == 2;
-    };
+    const auto on_edge = [&](const glm::vec3& p) { return std::count(points.begin(), points.end(), p) == 2; };
     EXPECT_TRUE(std::any_of(points.begin(), points.end(), on_edge)) << "edge " << i;
   }
 }
