@@ -65,27 +65,27 @@ void dress_desk(Furnisher& f, const glm::dmat4& desk, bool lamp) {
   f.add("keyboard", keys, on(-0.05, -0.16));
   f.add("mouse", keys, on(0.32, -0.17, f.random.between(-10, 10)));
   if (lamp) f.add("desk_lamp", f.any("desk_lamp"), on(-0.62, 0.22, 35));
-  f.loose("telephone", f.any("telephone"), on(0.62, 0.15, -20));
-  f.loose("mug", f.any("mug"), on(-0.45, -0.1, f.random.between(0, 360)));
-  f.loose("pencil_cup", f.any("pencil_cup"), on(0.42, 0.25));
-  f.loose("papers", f.any("papers"), on(-0.5, -0.22, f.random.between(-15, 15)));
-  f.loose("book_pile", f.any("book_pile"), on(0.62, -0.18, f.random.between(-20, 20)));
-  const int pencils = 1 + static_cast<int>(f.random.below(3));
+  if (f.random.chance(0.6)) f.loose("telephone", f.any("telephone"), on(0.62, 0.15, -20));
+  if (f.random.chance(0.55)) f.loose("mug", f.any("mug"), on(-0.45, -0.1, f.random.between(0, 360)));
+  if (f.random.chance(0.5)) f.loose("pencil_cup", f.any("pencil_cup"), on(0.42, 0.25));
+  if (f.random.chance(0.6)) f.loose("papers", f.any("papers"), on(-0.5, -0.22, f.random.between(-15, 15)));
+  if (f.random.chance(0.7)) f.loose("book_pile", f.any("book_pile"), on(0.62, -0.18, f.random.between(-20, 20)));
+  const int pencils = 1 + static_cast<int>(f.random.below(2));
   for (int i = 0; i < pencils; ++i) f.loose("pencil", f.any("pencil"), on(0.42 - 0.02 * i, -0.3 + 0.03 * i, f.random.between(-40, 40)));
-  if (f.random.chance(0.25)) f.loose("desk_plant", f.any("desk_plant"), on(-0.68, -0.05));
+  if (f.random.chance(0.15)) f.loose("desk_plant", f.any("desk_plant"), on(-0.68, -0.05));
 }
 
 /// Fills a one-sided bookcase with runs of books, some boards with boxes or a plant.
 void fill_shelf(Furnisher& f, const glm::dmat4& shelf, double fullness) {
   for (uint32_t board = 0; board < kShelfBoards; ++board) {
     const double z = kShelfFirst_m + board * kShelfPitch_m;
-    for (const double x : {-0.21, 0.21}) {
-      if (f.random.chance(fullness))
-        f.loose("book_run", f.any("book_run"), shelf * moved({x, kSpineOneSided_m, z}));
-      else if (f.random.chance(0.3))
-        f.loose("papers", f.any("papers"), shelf * moved({x, -0.005, z}));
-      else if (f.random.chance(0.2))
-        f.loose("desk_plant", f.any("desk_plant"), shelf * moved({x, 0, z}));
+    if (f.random.chance(fullness)) {
+      f.loose("book_run", f.any("book_run"), shelf * moved({0, kSpineOneSided_m, z}));
+    } else if (f.random.chance(0.3)) {
+      f.loose("papers", f.any("papers"), shelf * moved({-0.21, -0.005, z}));
+    } else if (f.random.chance(0.5)) {
+      f.loose("book_pile", f.any("book_pile"), shelf * moved({-0.15, 0, z}));
+      if (f.random.chance(0.5)) f.loose("desk_plant", f.any("desk_plant"), shelf * moved({0.22, 0, z}));
     }
   }
 }
@@ -130,34 +130,34 @@ void furnish_office(Furnisher& f, const RoomSize& r) {
   const uint32_t chair = f.any("office_chair");
   f.add("office_chair", chair, desk * moved({f.random.between(-0.15, 0.1), -0.68, 0}) * turned_z(180 + f.random.between(-25, 25)));
   f.add("waste_bin", 2 * f.random.below(2), desk * moved({-0.95, 0.1, 0}));
-  f.add("tower", f.any("tower"), desk * moved({-0.5, 0.1, 0}));
+  if (f.random.chance(0.6)) f.add("tower", f.any("tower"), desk * moved({-0.5, 0.1, 0}));
   const uint32_t visitor = f.any("visitor_chair");
   if (facing_door) {
     for (const double side : {-0.42, 0.42}) f.put("visitor_chair", visitor, u + side, v - 0.95, 0, kInward + f.random.between(-12, 12));
   } else {
     f.put("visitor_chair", visitor, r.w - 1.55, v - 1.25, 0, kInward + f.random.between(-20, 20));
-    f.put("visitor_chair", visitor, 0.42, r.d - 2.1, 0, kToRight + f.random.between(-10, 10));
+    if (f.random.chance(0.4)) f.put("visitor_chair", visitor, 0.42, r.d - 2.1, 0, kToRight + f.random.between(-10, 10));
   }
-  const int shelves = 1 + static_cast<int>(f.random.below(2));
+  const int shelves = f.random.chance(0.25) ? 2 : 1;
   for (int i = 0; i < shelves; ++i)
     fill_shelf(f, f.put("bookshelf", wood, r.w - 0.16, 0.85 + 0.92 * i, 0, kToLeft), 0.72);
   f.put("filing_cabinet", f.any("filing_cabinet"), r.w - 0.31, 1.1 + 0.92 * shelves, 0, kToLeft);
-  f.put("plant", f.any("plant"), 0.45, r.d - 0.5, 0, f.random.between(0, 360));
+  if (f.random.chance(0.8)) f.put("plant", f.any("plant"), 0.45, r.d - 0.5, 0, f.random.between(0, 360));
   f.put("whiteboard", f.random.chance(0.5) ? 0 : 2, 0, 2.9, 1.5, kToRight);
-  if (f.random.chance(0.8)) f.put("picture", f.any("picture"), r.w, r.d - 1.6 + f.random.between(-0.2, 0.2), 1.65, kToLeft);
-  if (f.random.chance(0.6)) f.put("picture", f.any("picture"), r.w * 0.62, 0, 1.6, kInward);
-  f.put("coat_stand", 0, r.w - 0.5, 0.24);
+  if (f.random.chance(0.7)) f.put("picture", f.any("picture"), r.w, r.d - 1.6 + f.random.between(-0.2, 0.2), 1.65, kToLeft);
+  if (f.random.chance(0.4)) f.put("picture", f.any("picture"), r.w * 0.62, 0, 1.6, kInward);
+  if (f.random.chance(0.3)) f.put("coat_stand", 0, r.w - 0.5, 0.24);
   if (f.random.chance(0.3)) f.put("floor_lamp", f.any("floor_lamp"), r.w - 0.35, r.d - 0.4);
-  f.put("radiator", 0, r.w / 2, r.d, 0, kToDoor);
+  if (f.random.chance(0.6)) f.put("radiator", 0, r.w / 2, r.d, 0, kToDoor);
 }
 
 void furnish_student_office(Furnisher& f, const RoomSize& r) {
-  const int pairs = std::clamp(static_cast<int>((r.w - 2.4) / 1.75), 1, 4);
+  const int pairs = std::clamp(static_cast<int>((r.w - 2.4) / 1.75), 1, 3);
   for (int i = 0; i < pairs; ++i) {
     const double u = r.w - 0.9 - 1.75 * i;
     for (const bool far : {true, false}) {
       const glm::dmat4 desk = f.put("desk", 4, u, far ? r.d - 0.55 : r.d - 1.42, 0, far ? kToDoor + 180 : kToDoor);
-      dress_desk(f, desk, f.random.chance(0.6));
+      dress_desk(f, desk, f.random.chance(0.3));
       f.add("task_chair", f.any("task_chair"), desk * moved({0, far ? -0.6 : -0.68, 0}) * turned_z(180 + f.random.between(-30, 30)));
     }
   }
@@ -170,10 +170,10 @@ void furnish_student_office(Furnisher& f, const RoomSize& r) {
 
 void furnish_laboratory(Furnisher& f, const RoomSize& r) {
   const uint32_t style = f.random.below(2);
-  const int rows = 3, columns = static_cast<int>((r.w - 2.6) / 1.5);
+  const int rows = 3, columns = static_cast<int>((r.w - 2.6) / 1.75);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      const glm::dmat4 desk = f.put("lab_bench", style, 2.6 + 1.5 * column, 2.2 + 2.0 * row);
+      const glm::dmat4 desk = f.put("lab_bench", style, 2.8 + 1.75 * column, 2.2 + 2.0 * row);
       const auto on = [&](double x, double y, double turn) { return desk * moved({x, y, 0.74}) * turned_z(turn); };
       f.add("monitor", f.any("monitor"), on(0, 0.15, f.random.between(-8, 8)));
       f.add("keyboard", style, on(-0.05, -0.18, 0));
@@ -257,9 +257,9 @@ void furnish_conference(Furnisher& f, const RoomSize& r) {
       for (const double side : {-1.0, 1.0}) {
         const glm::dmat4 at = table * moved({-1.35 + 0.9 * i, side * 1.08, 0}) * turned_z((side > 0 ? 0 : 180) + f.random.between(-14, 14));
         f.add("conference_chair", chair, at);
-        if (f.random.chance(0.5)) f.loose("papers", 0, table * moved({-1.35 + 0.9 * i, side * 0.42, 0.74}) * turned_z(f.random.between(-15, 15)));
-        if (f.random.chance(0.4)) f.loose("mug", f.any("mug"), table * moved({-1.1 + 0.9 * i, side * 0.36, 0.74}) * turned_z(f.random.between(0, 360)));
-        if (f.random.chance(0.4)) f.loose("pencil", f.any("pencil"), table * moved({-1.3 + 0.9 * i, side * 0.25, 0.74}) * turned_z(f.random.between(-40, 40)));
+        if (f.random.chance(0.3)) f.loose("papers", 0, table * moved({-1.35 + 0.9 * i, side * 0.42, 0.74}) * turned_z(f.random.between(-15, 15)));
+        if (f.random.chance(0.3)) f.loose("mug", f.any("mug"), table * moved({-1.1 + 0.9 * i, side * 0.36, 0.74}) * turned_z(f.random.between(0, 360)));
+        if (f.random.chance(0.3)) f.loose("pencil", f.any("pencil"), table * moved({-1.3 + 0.9 * i, side * 0.25, 0.74}) * turned_z(f.random.between(-40, 40)));
       }
     }
     for (const double end : {-1.0, 1.0}) f.add("conference_chair", chair, table * moved({end * 2.2, 0, 0}) * turned_z(end > 0 ? 90 : -90));
@@ -274,11 +274,11 @@ void furnish_conference(Furnisher& f, const RoomSize& r) {
 }
 
 void furnish_library(Furnisher& f, const RoomSize& r, uint32_t book_variants) {
-  constexpr int kRanges = 5, kBays = 3;
+  constexpr int kRanges = 4, kBays = 3;
   const double door = r.w / 2;
   for (int range = 0; range < kRanges; ++range) {
     for (int bay = 0; bay < kBays; ++bay) {
-      const glm::dmat4 shelf = f.put("library_shelf", 0, door + 5.2 + 2.1 * range, r.d - 0.95 - 0.92 * bay, 0, kToRight);
+      const glm::dmat4 shelf = f.put("library_shelf", 0, door + 6.2 + 2.4 * range, r.d - 0.95 - 0.92 * bay, 0, kToRight);
       fill_stacks(f, shelf, book_variants);
     }
   }
@@ -362,12 +362,12 @@ void furnish_lounge(Furnisher& f, const RoomSize& r) {
 }
 
 void furnish_storage(Furnisher& f, const RoomSize& r) {
-  const int bays = static_cast<int>((r.d - 1.6) / 0.92);
+  const int bays = std::min(4, static_cast<int>((r.d - 1.6) / 0.92));
   for (int i = 0; i < bays; ++i) {
     const glm::dmat4 shelf = f.put("bookshelf", 1, r.w - 0.16, 1.4 + 0.92 * i, 0, kToLeft);
     for (uint32_t board = 0; board < kShelfBoards; ++board) {
       for (const double x : {-0.21, 0.21}) {
-        if (f.random.chance(0.6)) f.loose("cardboard_box", f.any("cardboard_box"), shelf * moved({x, -0.01, kShelfFirst_m + board * kShelfPitch_m}));
+        if (f.random.chance(0.28)) f.loose("cardboard_box", f.any("cardboard_box"), shelf * moved({x, -0.01, kShelfFirst_m + board * kShelfPitch_m}));
       }
     }
   }
@@ -390,7 +390,7 @@ void furnish_corridor(Furnisher& f, const RoomSize& r) {
   const auto at = [&](const char* kind, uint32_t variant, double along, double side, double w, double turn) {
     return across ? f.put(kind, variant, along, side, w, turn) : f.put(kind, variant, width - side, along, w, turn + 90);
   };
-  const int lights = static_cast<int>(length / 2.6);
+  const int lights = static_cast<int>(length / 4.6);
   for (int i = 0; i < lights; ++i) at("ceiling_panel", 0, length * (i + 0.5) / lights, width / 2, kCorridorCeiling_m, 0);
   const int signs = std::max(1, static_cast<int>(length / 16));
   for (int i = 0; i < signs; ++i) at("exit_sign", 0, length * (i + 0.35) / signs, width * 0.5 + 0.75, kCorridorCeiling_m, 90);
@@ -425,8 +425,8 @@ void light_room(Furnisher& f, const Room& room, const RoomSize& r) {
     case RoomKind::lift: return;
     case RoomKind::laboratory:
     case RoomKind::class_room:
-    case RoomKind::library: return light_grid(f, r, kCeiling_m, 2.5, 0);
-    default: return light_grid(f, r, kCeiling_m, 2.7, f.random.chance(0.5) ? 1 : 0);
+    case RoomKind::library: return light_grid(f, r, kCeiling_m, 3.6, 0);
+    default: return light_grid(f, r, kCeiling_m, 4.4, f.random.chance(0.5) ? 1 : 0);
   }
 }
 
@@ -491,7 +491,7 @@ void dress_corridor_wall(Furnisher& f, const BuildingPlan& plan, const Wall& wal
       return moved(wall.along_x ? dvec3(a, across, wall.floor * kStorey_m + z) : dvec3(across, a, wall.floor * kStorey_m + z)) * turned_z(turn);
     };
     const uint32_t what = f.random.below(12);
-    if (what < 6) f.add("picture", f.any("picture"), at(0, 1.6));
+    if (what < 5) f.add("picture", f.any("picture"), at(0, 1.6));
     if (what == 6 && room > 1.8) f.add("notice_board", f.any("notice_board"), at(0, 1.5));
     if (what == 7) f.add("extinguisher", 0, at(0, 1.1));
     if (what == 8) f.add("waste_bin", 1, at(0, 0) * moved({0, -0.22, 0}));
@@ -540,8 +540,8 @@ void dress_facade(Furnisher& f, const BuildingPlan& plan) {
       f.add("pilaster", floor == 0 ? 0 : 1, moved({x, y, z}) * turned_z(turn) * stretch);
     };
     // The same axes on every storey, wherever its partitions are; between the windows of most.
-    for (int i = 0; i <= 9; ++i) {
-      const double x = 9.2 + (kWidth_m - 2 * 9.2) * i / 9;
+    for (int i = 0; i <= 8; ++i) {
+      const double x = 9.2 + (kWidth_m - 2 * 9.2) * i / 8;
       if (floor == 0 && std::abs(x - kWidth_m / 2) < 3) continue;
       pier(x, -kFacade_m, 0), pier(x, kDepth_m + kFacade_m, 180);
     }

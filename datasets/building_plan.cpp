@@ -61,7 +61,7 @@ class Planner {
       const bool right = use.from < kTouch_m || (!last && random_.chance(0.5));
       double at = right ? high : low;
       if (use.kind == RoomKind::lobby || use.kind == RoomKind::library) at = (use.from + use.to) / 2;
-      if (use.kind == RoomKind::lounge) at = use.from < kTouch_m ? kRing1 - 1.3 : at;
+      if (use.kind == RoomKind::lounge) at = use.from < kTouch_m ? kRing1 - 1.3 : kEastRing1 + 1.3;
       room(use.kind, floor, {use.from, south ? 0 : kNorthRing0}, {use.to, south ? kRing0 : kDepth_m},
            south ? Side::north : Side::south, at);
     }
@@ -148,7 +148,7 @@ std::vector<Use> south_row(uint32_t floor) {
     uses.push_back({RoomKind::library, 14, 48});
     uses.push_back({RoomKind::office, 48, kEastRing1});
   } else {
-    append_offices(uses, kRing1, kEastRing1, 9);
+    append_offices(uses, kRing1, kEastRing1, 8);
   }
   uses.push_back({RoomKind::student_office, kEastRing1, kWidth_m});
   return uses;
@@ -161,9 +161,9 @@ std::vector<Use> north_row(uint32_t floor) {
     append_offices(uses, 36, kEastRing1, 4);
   } else {
     uses = {{RoomKind::lounge, 0, kRing1}};
-    append_offices(uses, kRing1, kEastRing1, 9);
+    append_offices(uses, kRing1, kEastRing1, 8);
   }
-  uses.push_back({floor % 2 == 0 ? RoomKind::student_office : RoomKind::conference, kEastRing1, kWidth_m});
+  uses.push_back({floor % 2 == 0 ? RoomKind::student_office : RoomKind::lounge, kEastRing1, kWidth_m});
   return uses;
 }
 

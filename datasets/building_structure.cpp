@@ -193,7 +193,14 @@ void Builder::auditorium() {
       sculptor_.box({0.001, y - 0.42, z}, {kAisle_m, y - 0.0001, z + rise / 2});
       sculptor_.box({size.x - kAisle_m, y - 0.42, z}, {size.x - 0.001, y - 0.0001, z + rise / 2});
     }
-    part(fmt::format("f{}_{}_rows", room.floor + 1, room.name), "stairs", keep(), moved({room.min + kWallHalf_m, room.floor * kStorey_m}));
+    const uint32_t rows = keep();
+    part(fmt::format("f{}_{}_rows", room.floor + 1, room.name), "stairs", rows, moved({room.min + kWallHalf_m, room.floor * kStorey_m}));
+    // A wooden band covers the slab's edge between the two storeys' walls.
+    const std::vector<dvec2> outline{{0.001, 0.001}, {size.x - 0.001, 0.001}, {size.x - 0.001, size.y - 0.001}, {0.001, size.y - 0.001}};
+    const std::vector<std::vector<dvec2>> inside{{{0.03, 0.03}, {0.03, size.y - 0.03}, {size.x - 0.03, size.y - 0.03}, {size.x - 0.03, 0.03}}};
+    sculptor_.stand().paint(palette::kWalnut).extrude(outline, inside, kWallTop_m - 0.06, kStorey_m - 0.001);
+    const uint32_t band = keep();
+    part(fmt::format("f{}_{}_band", room.floor + 1, room.name), "ledge", band, moved({room.min + kWallHalf_m, room.floor * kStorey_m}));
   }
 }
 

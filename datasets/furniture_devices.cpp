@@ -43,7 +43,7 @@ Mesh monitor(const Monitor& p, double quality) {
 Mesh keyboard(glm::u8vec4 body, glm::u8vec4 key, double quality) {
   Sculptor s(quality);
   s.paint(body).box({-0.22, -0.075, 0}, {0.22, 0.075, 0.016});
-  const uint32_t rows = quality < 0.3 ? 0 : 5, columns = s.steps(11, 5);
+  const uint32_t rows = quality < 0.3 ? 0 : 5, columns = s.steps(12, 4);
   for (uint32_t row = 0; row < rows; ++row) {
     const double y = -0.066 + row * 0.0268;
     double x = -0.212;

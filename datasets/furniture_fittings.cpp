@@ -32,6 +32,7 @@ Mesh door_leaf(const DoorLeaf& p, double quality) {
     const double y = side * 0.0226, out = side * 0.0245;
     s.box({0.1, std::min(y, out), 0.02}, {w - 0.1, std::max(y, out), 0.2});  // kick plate
   }
+  if (quality < 0.3) return s.take();
   for (const double z : {0.25, 1.0, 1.8}) s.cylinder({0, 0.018, z}, {0, 0.018, z + 0.1}, 0.009, s.steps(8, 4));
   return s.take();
 }
@@ -44,7 +45,8 @@ Mesh door_handle(glm::u8vec4 metal, double quality) {
     const double y = side * 0.0226;
     s.rounded_box({-0.02, std::min(y, y + side * 0.008), -0.11}, {0.02, std::max(y, y + side * 0.008), 0.06}, 0.0035, s.steps(2, 0));
     const dvec3 lever[] = {{0, y, 0}, {0, side * 0.055, 0}, {-0.012, side * 0.066, 0}, {-0.03, side * 0.07, 0}, {-0.12, side * 0.07, 0}};
-    s.tube(lever, 0.009, s.steps(12, 5));
+    s.tube(lever, 0.009, s.steps(12, 4));
+    if (quality < 0.5) continue;
     s.cylinder({0, y, -0.08}, {0, y + side * 0.012, -0.08}, 0.008, s.steps(10, 4));
   }
   return s.take();
@@ -83,6 +85,7 @@ Mesh window(const Window& p, double quality) {
   s.stand().paint(kOffWhite).rounded_box({-w - 0.05, -p.inside_m - 0.08, -0.03}, {w + 0.05, -p.inside_m - 0.001, 0.012}, 0.008, s.steps(2, 0));
   s.box({-w + 0.001, -p.inside_m - 0.0009, 0.001}, {w - 0.001, y0 - 0.001, 0.012});
   s.paint(kSteel).box({-w + 0.001, y1 + 0.001, 0.001}, {w - 0.001, p.outside_m + 0.05, 0.018});
+  if (quality < 0.5) return s.take();
   s.paint(kChrome).cylinder({-0.005, y0, transom * 0.5}, {-0.005, y0 - 0.03, transom * 0.5}, 0.008, s.steps(8, 4));
   s.box({-0.012, y0 - 0.04, transom * 0.5 - 0.1}, {0.004, y0 - 0.028, transom * 0.5 + 0.01});
   return s.take();

@@ -46,7 +46,7 @@ Mesh desk_lamp(const DeskLamp& p, double quality) {
   s.ellipsoid(head, dvec3(0.016), s.steps(10, 5), s.steps(6, 3));
   s.stand(moved(head - dvec3(0, 0.02, 0.1)) * turned_x(-12));
   s.paint(p.shade);
-  add_shade(s, p.rim_m, 0.024, 0.11, p.bell, s.steps(6, 2), s.steps(22, 7));
+  add_shade(s, p.rim_m, 0.024, 0.11, p.bell, s.steps(8, 4), s.steps(24, 13));
   s.paint(p.arm).cylinder({0, 0, 0.1}, {0, 0, 0.13}, 0.023, s.steps(12, 5));
   s.paint(kLight).ellipsoid({0, 0, 0.05}, {0.028, 0.028, 0.036}, s.steps(12, 5), s.steps(7, 3));
   return s.take();
@@ -83,6 +83,11 @@ Mesh ceiling_panel(const CeilingPanel& p, double quality) {
   Sculptor s(quality);
   const double l = p.length_m / 2, w = p.width_m / 2;
   s.paint(kWhite).box({-l, -w, -0.015}, {l, w, 0});
+  if (quality < 0.6) {  // a closed diffuser
+    s.box({-l, -w, -0.06}, {l, w, -0.0151});
+    s.paint(kLight).box({-l + 0.02, -w + 0.02, -0.064}, {l - 0.02, w - 0.02, -0.0601});
+    return s.take();
+  }
   for (const double side : {-1.0, 1.0}) {
     s.box({-l, side > 0 ? w - 0.015 : -w, -0.06}, {l, side > 0 ? w : -w + 0.015, -0.0151});
     s.box({side > 0 ? l - 0.015 : -l, -w + 0.0151, -0.06}, {side > 0 ? l : -l + 0.015, w - 0.0151, -0.0151});

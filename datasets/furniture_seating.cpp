@@ -25,6 +25,7 @@ struct OfficeChair {
 
 void add_castor(Sculptor& s, const dvec3& hub) {
   const uint32_t sides = s.steps(10, 5);
+  if (s.quality() < 0.5) return s.cylinder(hub + dvec3(-0.02, 0, -0.03), hub + dvec3(0.02, 0, -0.03), 0.03, sides);
   s.cylinder(hub + dvec3(-0.022, 0, -0.03), hub + dvec3(-0.006, 0, -0.03), 0.03, sides);
   s.cylinder(hub + dvec3(0.006, 0, -0.03), hub + dvec3(0.022, 0, -0.03), 0.03, sides);
   s.cylinder(hub + dvec3(0, 0, -0.02), hub + dvec3(0, 0, 0.02), 0.006, s.steps(5, 3));

@@ -20,6 +20,7 @@ Mesh pencil(glm::u8vec4 paint, double quality) {
   s.paint(paint).cylinder({-0.075, 0, z}, {0.07, 0, z}, r, 6);
   s.paint(kMaple).cone({0.07, 0, z}, {0.084, 0, z}, r, 0.0013, 6);
   s.paint(kBlack).cone({0.084, 0, z}, {0.09, 0, z}, 0.0013, 0, 6);
+  if (quality < 0.4) return s.take();
   s.paint(kBrass).cylinder({-0.083, 0, z}, {-0.075, 0, z}, 0.0042, s.steps(8, 4));
   s.paint(rgb(0xd98080)).cylinder({-0.092, 0, z}, {-0.083, 0, z}, 0.0036, s.steps(8, 4));
   return s.take();

@@ -16,6 +16,7 @@ using glm::dvec3;
 using namespace palette;
 
 constexpr uint32_t kBooks = 24;
+constexpr double kWholeBooks = 0.6;  // from this quality on a book has boards, a spine and leaves
 
 struct Bookcase {
   glm::u8vec4 wood = kOak;
@@ -56,7 +57,7 @@ Book book_parameters(uint32_t variant) {
                                                          kRust, kTealCloth, kSlate, rgb(0x5a3d6b)};
   BuildingRandom random(0xb00c + variant);
   Book book{};
-  book.size = {random.between(0.018, 0.048), random.between(0.15, 0.21), random.between(0.19, 0.29)};
+  book.size = {random.between(0.024, 0.062), random.between(0.15, 0.21), random.between(0.19, 0.29)};
   book.cover = shaded(kCovers[variant % kCovers.size()], random.between(-0.25, 0.25));
   book.label = random.chance(0.5) ? kBrass : kPaper;
   book.banded = variant % 3 != 0;
@@ -67,6 +68,10 @@ Book book_parameters(uint32_t variant) {
 void add_book(Sculptor& s, const Book& b) {
   const double w = b.size.width_m / 2, d = b.size.depth_m, h = b.size.height_m;
   s.paint(b.cover);
+  if (s.quality() < kWholeBooks) {  // a block whose head and tail show paper
+    const glm::dvec2 block[] = {{-w, 0}, {w, 0}, {w, d}, {-w, d}};
+    return s.extrude(block, {}, 0, h, &kPaper, &kPaper);
+  }
   s.box({-w, 0.004, 0}, {-w + 0.0025, d, h});
   s.box({w - 0.0025, 0.004, 0}, {w, d, h});
   std::vector<glm::dvec2> spine{{w, 0.006}};
@@ -79,7 +84,7 @@ void add_book(Sculptor& s, const Book& b) {
   std::reverse(spine.begin(), spine.end());
   s.extrude(spine, {}, 0, h);
   s.paint(kPaper).box({-w + 0.0026, 0.0061, 0.004}, {w - 0.0026, d - 0.005, h - 0.004});
-  if (b.banded && s.quality() > 0.55) {
+  if (b.banded) {
     s.paint(b.label).box({-w * 0.7, -0.0008, h * 0.62}, {w * 0.7, 0.0035, h * 0.78});
   }
 }
@@ -106,14 +111,15 @@ Mesh book_pile(uint32_t first, uint32_t count, double quality) {
   return s.take();
 }
 
-/// A run of books as wide as about half a board, the last one leaning.
+/// A run of books that fills most of a board, the last one leaning.
 Mesh book_run(uint32_t variant, double quality) {
   Sculptor s(quality);
   BuildingRandom random(0x5e1f + variant);
-  double x = -0.2;
+  double x = -kShelfInnerHalf_m;
+  const double end = random.between(0.05, 0.36);
   while (true) {
     const Book b = book_parameters(random.below(kBooks));
-    if (x + b.size.width_m > 0.16) break;
+    if (x + b.size.width_m > end - 0.06) break;
     s.stand(moved({x + b.size.width_m / 2, random.between(0, 0.012), 0}));
     add_book(s, b);
     x += b.size.width_m + 0.001;
