@@ -208,12 +208,12 @@ Mesh make_car(uint32_t variant, int level) {
   const CarForm& form = kForms[model < 2 ? 0 : model < 4 ? 1 : model < 6 ? 2 : 3];
   const Color paint = kPaints[(variant * 5 + 1) % kPaints.size()];
   SmoothShape shape;
-  // Level 0 to 3: about 0.9, 2.4, 9 and 36 thousand triangles.
+  // Level 0 to 3: about 2, 3, 9 and 28 thousand triangles.
   const int fine = 1 << std::max(0, level - 1);
-  const BodyRows rows = level == 0 ? BodyRows{3, 2, 2} : BodyRows{5 * fine, 3 * fine, 3 * fine};
-  body(shape, form, paint, level == 0 ? 16 : 28 * fine, rows);
+  const BodyRows rows = level == 0 ? BodyRows{3, 3, 2} : BodyRows{5 * fine, 3 * fine, 3 * fine};
+  body(shape, form, paint, level == 0 ? 20 : 28 * fine, rows);
   for (const float x : {form.wheel_front, form.wheel_rear})
-    for (const bool left : {false, true}) wheel(shape, form, x, left, level == 0 ? 8 : 14 * fine);
+    for (const bool left : {false, true}) wheel(shape, form, x, left, level == 0 ? 10 : 14 * fine);
   fittings(shape, form, paint, level == 0 ? 3 : 4 * fine);
   return shape.take();
 }

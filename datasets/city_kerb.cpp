@@ -84,12 +84,12 @@ void KerbSide::trees() {
 void KerbSide::furniture() {
   if (plan_.options().curb_width_m < kLeastPavement_m) return;
   const uint32_t lamp = Random(plan_.options().seed, {0x1a}).below(2);
-  for (double s = 9; s < length_m_ - 8; s += 26)
+  for (double s = 9; s < length_m_ - 8; s += 30)
     if (take(s, 0.5)) put(PropClass::lamp, lamp, s, 0.45, std::numbers::pi);
   const double much = std::clamp(detail_ * 0.5, 0.1, 1.5);
   if (plan_.options().street_width_m >= 10 && random_.chance(0.12 * much)) {
     const double s = length_m_ * random_.range(0.3, 0.7);
-    if (take(s, 2.3)) put(PropClass::bus_stop, 0, s, 0.75, 0);
+    if (take(s, 2.3)) put(PropClass::bus_stop, 0, s, 0.68, 0);
   }
   const std::array<std::pair<PropClass, double>, 4> kinds = {
       std::pair(PropClass::bench, 1.1), {PropClass::hydrant, 0.4}, {PropClass::bin, 0.5}, {PropClass::sign, 0.4}};
@@ -105,7 +105,7 @@ void KerbSide::furniture() {
 
 void KerbSide::cars() {
   if (plan_.options().street_width_m < 9) return;
-  const double share = std::clamp(0.02 + 0.13 * detail_, 0.0, 0.92);
+  const double share = std::clamp(0.045 * detail_, 0.0, 0.92);
   const auto slots = static_cast<int>((length_m_ - 2 * kClearCorner_m) / kParkingSlot_m);
   for (int k = 0; k < slots; ++k) {
     Random random = random_.fork(static_cast<uint64_t>(k));
@@ -121,7 +121,7 @@ void KerbSide::cars() {
 
 }  // namespace
 
-double walking_line_m(const CityOptions& options) { return options.curb_width_m * 0.76; }
+double walking_line_m(const CityOptions& options) { return options.curb_width_m * 0.7; }
 
 std::vector<KerbProp> kerb_props(const CityPlan& plan, uint32_t x, uint32_t y, bool tree_lined, double detail) {
   std::vector<KerbProp> props;

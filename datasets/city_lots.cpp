@@ -22,6 +22,12 @@ std::vector<double> random_cuts(double low, double high, uint32_t parts, Random&
   return cuts;
 }
 
+/// A number up to `most`, at least `least` where that allows it.
+uint32_t at_least(uint32_t least, uint32_t most, Random& random) {
+  const uint32_t low = std::min(least, most);
+  return low + random.below(most - low + 1);
+}
+
 /// Buildings are tallest in the middle of the city.
 double height_at(const CityPlan& plan, const glm::dvec2& at, Random& random) {
   const glm::dvec2 from_middle = (at - plan.size() * 0.5) / (plan.size() * 0.5);
@@ -54,18 +60,19 @@ BlockLots lots_of_block(const CityPlan& plan, uint32_t x, uint32_t y) {
   BlockLots result;
   const PlanRect inner = plan.block(x, y).inset(options.curb_width_m);
   result.park = options.blocks_x * options.blocks_y > 3 && random.chance(0.07);
-  result.tree_lined = options.tree_distance_m > 0 && random.chance(0.6);
+  result.tree_lined = options.tree_distance_m > 0 && random.chance(0.55);
   const glm::dvec2 size = inner.size();
   if (result.park || size.x < kSmallestLot_m || size.y < kSmallestLot_m) return result;
-  const uint32_t rows = 1 + random.below(options.max_rows);
+  // One row only where blocks are thin, and at least three columns if there may be: no building fills a block.
+  const uint32_t least_rows = size.y > 40 ? 2 : 1, least_columns = size.x > 60 ? 3 : 2;
+  const uint32_t rows = at_least(least_rows, options.max_rows, random);
   const std::vector<double> row_cuts = random_cuts(inner.low.y, inner.high.y, rows, random);
   const uint32_t alley = rows > 1 && random.chance(0.5) ? 1 + random.below(rows - 1) : rows;
   for (uint32_t r = 0; r < rows; ++r) {
     PlanRect row{{inner.low.x, row_cuts[r]}, {inner.high.x, row_cuts[r + 1]}};
     row.low.y += r == 0 ? kSetback_m : r == alley ? kAlley_m / 2 : 0.6;
     row.high.y -= r + 1 == rows ? kSetback_m : r + 1 == alley ? kAlley_m / 2 : 0.6;
-    // At least two columns in deep rows: a building as long as a block would be a wall.
-    const uint32_t columns = std::min(options.max_columns, 2 + random.below(std::max(1U, options.max_columns - 1)));
+    const uint32_t columns = at_least(least_columns, options.max_columns, random);
     const std::vector<double> cuts = random_cuts(row.low.x, row.high.x, columns, random);
     for (uint32_t c = 0; c < columns; ++c) {
       const double gap = random.chance(0.3) ? random.range(1.0, 2.5) : 0.4;

@@ -21,6 +21,7 @@ constexpr double kLongestDrive_m = 5000;  // three minutes
 constexpr double kFly_mps = 40;
 constexpr double kLongestFlight_s = 120;
 constexpr double kTurn_degps = 70;     // standing at a corner
+constexpr double kCornerCut_m = 0.8;   // nobody walks to a corner's very point
 constexpr double kSharpTurn_deg = 20;  // a smaller one is taken while moving
 
 struct Motion {
@@ -61,7 +62,7 @@ void add_side(const CityPlan& plan, uint32_t x, uint32_t y, size_t side, std::ve
       block.low, {block.high.x, block.low.y}, block.high, {block.low.x, block.high.y}};
   const glm::dvec2 from = corners[side], to = corners[(side + 1) % 4], way = glm::normalize(to - from);
   const double in_m = walking_line_m(plan.options());
-  const double length = glm::distance(from, to), ends = std::min(in_m, length / 3);
+  const double length = glm::distance(from, to), ends = std::min(in_m + kCornerCut_m, length / 3);
   const auto count = static_cast<int>(std::max(2.0, std::ceil(length / 4)));
   for (int k = 0; k <= count; ++k) {
     const double share = static_cast<double>(k) / count;
