@@ -129,7 +129,7 @@ TEST(DecodeImage, survives_every_truncation_and_rejects_those_of_png) {
   [[maybe_unused]] const LeaksOfPngErrors ignored;
   for (const ImageFormat format : {ImageFormat::png, ImageFormat::jpeg}) {
     const std::vector<std::byte> bytes = encoded(gradient(16, 16, true), format);
-    for (size_t n = 0; n < bytes.size(); n += 11) {
+    for (size_t n = 0; n < bytes.size(); n += 23) {
       const Result<Image> image = decode_image(std::span(bytes).first(n), "test");
       if (image) {
         EXPECT_EQ(image->pixels.size(), 256U);
@@ -146,7 +146,7 @@ TEST(DecodeImage, survives_random_changes) {
   std::mt19937 random(1);
   for (const ImageFormat format : {ImageFormat::png, ImageFormat::jpeg}) {
     const std::vector<std::byte> sound = encoded(gradient(16, 16, true), format);
-    for (int round = 0; round < 100; ++round) {
+    for (int round = 0; round < 30; ++round) {
       std::vector<std::byte> bytes = sound;
       for (int change = 0; change < 3; ++change)
         bytes[random() % bytes.size()] = static_cast<std::byte>(random() % 256);
