@@ -129,7 +129,8 @@ inline Mesh box_city_block() {
   Mesh mesh;
   Numbers numbers(11);
   for (int house = 0; house < 4; ++house) {
-    const glm::vec3 o(30.0F * float(house % 2), 30.0F * float(house / 2), 0);
+    const int row = house / 2;
+    const glm::vec3 o(30.0F * float(house % 2), 30.0F * float(row), 0);
     const float w = numbers.between(14, 20), d = numbers.between(14, 20), h = numbers.between(9, 24);
     const glm::u8vec4 color(150 + house * 25, 160, 140, 255);
     const auto columns = static_cast<uint32_t>(w / 3), rows = static_cast<uint32_t>(h / 3);
