@@ -42,7 +42,7 @@ struct TimeSliceOptions {
   double hysteresis_limit = 15.03;
   bool hysteresis = true;  ///< false: the simpler rule, shareTime > sum of timeNeeded
   /// Refine only when all children are resident, not only the visible ones: later detail, less flicker (section 5.2).
-  bool all_children_resident = false;
+  bool all_children_resident = true;
   bool time_feedback = true;       ///< v_time follows measured frame times
   bool share_feedback = true;      ///< shareTime of the roots follows the use of target_ms
   double time_gain = 0.1;          ///< part of v_time's error corrected a frame, (0, 1]

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "runtime/brute_force.h"
 #include "runtime/gl_renderer.h"
 #include "tests/runtime/forest.h"
@@ -123,26 +121,6 @@ TEST(Flight, stops_with_the_callbacks_error_and_when_cancelled) {
   const Result<FlightReport> cancelled = fly(model, renderer, standing(), stepped(Policy::none), kNothing, stopped);
   ASSERT_FALSE(cancelled);
   EXPECT_EQ(cancelled.error().message, "interrupted");
-}
-
-TEST(Flight, json_has_the_names_of_the_contract) {
-  Wood model;
-  NullRenderer renderer;
-  JobMonitor monitor;
-  const Result<FlightReport> report = fly(model, renderer, standing(), stepped(Policy::none), kNothing, monitor);
-  ASSERT_TRUE(report);
-  const nlohmann::json json = nlohmann::json::parse(to_json(*report));
-  for (const char* name :
-       {"frame_ms_p50", "frame_ms_p99", "frame_ms_stddev", "response_ms_p99", "triangles_drawn_mean",
-        "nodes_drawn_mean", "nodes_missing_mean", "toggles_per_frame", "cells_crossed", "delta_bytes_mean",
-        "bytes_read", "reads", "bytes_read_useful", "resident_bytes_peak", "peak_rss_bytes", "stalls"})
-    EXPECT_TRUE(json.contains(name)) << name;
-  ASSERT_EQ(json["frames"].size(), 21U);
-  for (const char* name : {"frame", "t_s", "frame_ms", "select_ms", "draw_ms", "upload_ms", "estimated_ms",
-                           "estimated_without_feedback_ms", "triangles_drawn", "nodes_drawn", "nodes_missing",
-                           "toggles", "resident_bytes", "nodes_by_level"})
-    EXPECT_TRUE(json["frames"][3].contains(name)) << name;
-  EXPECT_EQ(nlohmann::json::parse(to_json(report->totals))["frames"], 21);
 }
 
 TEST(Flight, totals_are_nearest_rank_and_population) {

@@ -312,6 +312,7 @@ TEST(TimeSlices, hidden_child_may_be_missing_unless_all_are_asked_for) {
   const std::vector<NodeId> children = model.split(top, 4, 0);  // the last two lie left of the view
   Chooser choose(model);
   choose.options = lakhia_options();
+  choose.options.time.all_children_resident = false;
   choose.state.ms_per_cost = 1e-9;
   choose.lack(children[3]);
   EXPECT_GT(choose().front.size(), 1U);
