@@ -19,7 +19,8 @@ enum class Coverage : uint8_t { center, inner, outer };
 
 enum BlockFlag : uint8_t {
   block_two_sided = 1,
-  block_masked = 2,  ///< some of its surface is not there: textures with holes, or seen through
+  block_masked = 2,   ///< some of its surface is not there: textures with holes, or seen through
+  block_blended = 4,  ///< seen through
 };
 
 /// Up to 64 vertices and 128 triangles that lie close together and face alike.
@@ -100,6 +101,7 @@ struct Frame {
   bool orthographic;
   bool cull_hidden;
   bool cull_back;  ///< false: every mesh is drawn from both sides
+  bool draw_blended;
 };
 
 struct Counts {

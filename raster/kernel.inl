@@ -717,6 +717,7 @@ void draw_item(const Frame& f, const Item& item, const BoxPicture& item_box, Reg
       continue;
     }
     if (C == Coverage::inner && (block.flags & block_masked) != 0) continue;
+    if (!f.draw_blended && (block.flags & block_blended) != 0) continue;
     const BoxPicture box = project_box(f, item, block.box_center, block.box_half);
     if (box.culled || !may_be_seen(f, r, box)) {
       ++r.counts.blocks_hidden;

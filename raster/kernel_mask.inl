@@ -73,8 +73,8 @@ void set_up_mask(const Frame& f, const Item& item, uint32_t triangle, MaskTriang
     m.texels_a_pixel = __builtin_sqrtf(texels / area) * static_cast<float>(kSubpixel) / __builtin_sqrtf(row);
 }
 
-/// A texel's column or row; t in units of the picture's size.
-PROMENADE_INLINE uint32_t wrapped_texel(float t, uint8_t wrap, uint32_t size) {
+/// The two neighbouring texels' columns or rows at t (in units of the picture's size) and the share of the second.
+PROMENADE_INLINE void neighbouring_texels(float t, uint8_t wrap, int32_t size, int32_t* texel, float& share) {
   t = max_of(-1e6F, min_of(1e6F, t));
   if (!(t == t)) t = 0;
   if (wrap == 2) {
@@ -85,10 +85,15 @@ PROMENADE_INLINE uint32_t wrapped_texel(float t, uint8_t wrap, uint32_t size) {
   } else {
     t = t - __builtin_floorf(t);
   }
-  const uint32_t i = static_cast<uint32_t>(t * static_cast<float>(size));
-  return i < size ? i : size - 1;
+  const float x = t * static_cast<float>(size) - 0.5F, whole = __builtin_floorf(x);
+  share = x - whole;
+  texel[0] = static_cast<int32_t>(whole), texel[1] = texel[0] + 1;
+  if (texel[0] < 0) texel[0] = wrap == 0 ? size - 1 : 0;
+  if (texel[1] >= size) texel[1] = wrap == 0 ? 0 : size - 1;
+  texel[0] = min_of(texel[0], size - 1);
 }
 
+/// Opacity at a point of the picture: bilinear, in the mip level whose texels are about as large as pixels.
 PROMENADE_INLINE float opacity_at(const MaskTriangle& m, float x, float y, float z) {
   const Surface& s = *m.surface;
   if (m.texels_a_pixel <= 0) return m.opacity;
@@ -99,9 +104,15 @@ PROMENADE_INLINE float opacity_at(const MaskTriangle& m, float x, float y, float
   const float footprint = max_of(1.0F, min_of(65536.0F, m.texels_a_pixel * w));
   uint32_t level = static_cast<uint32_t>(31 - __builtin_clz(static_cast<uint32_t>(footprint)));
   if (level >= t.levels) level = t.levels - 1;
-  const uint32_t width = t.width >> level == 0 ? 1 : t.width >> level, height = t.height >> level == 0 ? 1 : t.height >> level;
-  const uint32_t tx = wrapped_texel(u, s.wrap_u, width), ty = wrapped_texel(v, s.wrap_v, height);
-  return m.opacity * static_cast<float>(t.opacity[t.level_offset[level] + static_cast<uint64_t>(ty) * width + tx]) / 255.0F;
+  const int32_t width = max_of(1, static_cast<int32_t>(t.width >> level)), height = max_of(1, static_cast<int32_t>(t.height >> level));
+  int32_t tx[2], ty[2];
+  float sx = 0, sy = 0;
+  neighbouring_texels(u, s.wrap_u, width, tx, sx);
+  neighbouring_texels(v, s.wrap_v, height, ty, sy);
+  const uint8_t* texels = t.opacity + t.level_offset[level];
+  const auto at = [&](int i, int j) { return static_cast<float>(texels[static_cast<Int64>(ty[j]) * width + tx[i]]); };
+  const float top = at(0, 0) + (at(1, 0) - at(0, 0)) * sx, bottom = at(0, 1) + (at(1, 1) - at(0, 1)) * sx;
+  return m.opacity * (top + (bottom - top) * sy) / 255.0F;
 }
 
 /// Threshold of the screen door at a pixel, (0, 1): bits of x ^ y and y interleaved, the ordered dither of Bayer.

@@ -34,6 +34,12 @@ struct PreparedMesh {
   uint64_t byte_size() const;
 };
 
+/// Upper bound of byte_size() for a mesh of this size with all attributes.
+uint64_t prepared_bytes_bound(uint64_t vertices, uint64_t triangles);
+
+/// Whether some of its surface is seen through (AlphaMode::blend).
+bool has_blended(const PreparedMesh& mesh);
+
 /// Refuses meshes that find_defect refuses, and coordinates beyond kMaxCoordinate_m. Triangles without an area are
 /// left out: they cover no pixel. A triangle whose material is not in `materials` counts as opaque and one-sided.
 /// Pure; any thread; the same mesh gives the same blocks.

@@ -59,6 +59,7 @@ Frame frame_of(const RasterView& view, const VisibilityOptions& options) {
   f.orthographic = view.orthographic;
   f.clear_z = view.orthographic ? std::numeric_limits<float>::lowest() : 0.0F;
   f.cull_hidden = options.cull_hidden, f.cull_back = options.cull_back;
+  f.draw_blended = options.draw_blended;
   return f;
 }
 

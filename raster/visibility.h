@@ -49,6 +49,7 @@ struct VisibilityOptions {
   PixelRule rule = PixelRule::center;
   bool cull_hidden = true;  ///< false: draw behind what is there, too; the same picture, to measure what culling saves
   bool cull_back = true;    ///< false: draw every mesh from both sides
+  bool draw_blended = true;  ///< false: leave out what is seen through (AlphaMode::blend)
 };
 
 /// What a picture took. Counts of all regions: an item that two regions show counts twice.
