@@ -202,7 +202,8 @@ uint64_t prepared_bytes_bound(uint64_t vertices, uint64_t triangles) {
   const uint64_t block_vertices = std::min(3 * triangles, blocks * kBlockVertices) + blocks * kPadding;
   const uint64_t block_triangles = triangles + blocks * kPadding;
   const uint64_t attributes = vertices * (3 + 3 + 2 + 1) * sizeof(float) + triangles * 4 * sizeof(uint32_t);
-  return blocks * sizeof(Block) + block_vertices * 3 * sizeof(float) + block_triangles * (3 + sizeof(uint32_t)) + attributes;
+  return blocks * sizeof(Block) + block_vertices * 3 * sizeof(float) + block_triangles * (3 + sizeof(uint32_t)) +
+         attributes;
 }
 
 bool has_blended(const PreparedMesh& mesh) {

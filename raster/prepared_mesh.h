@@ -25,11 +25,11 @@ struct PrepareOptions {
 struct PreparedMesh {
   Box box;
   std::vector<raster_kernel::Block> blocks;
-  std::vector<float> x, y, z;                     ///< vertices of the blocks
-  std::array<std::vector<uint8_t>, 3> corners;    ///< of the blocks' triangles
-  std::vector<uint32_t> triangle_of;              ///< number in the mesh as given
-  uint32_t triangle_count = 0;                    ///< of the mesh as given
-  Mesh attributes;                                ///< as given; without PrepareOptions::attributes empty
+  std::vector<float> x, y, z;                   ///< vertices of the blocks
+  std::array<std::vector<uint8_t>, 3> corners;  ///< of the blocks' triangles
+  std::vector<uint32_t> triangle_of;            ///< number in the mesh as given
+  uint32_t triangle_count = 0;                  ///< of the mesh as given
+  Mesh attributes;                              ///< as given; without PrepareOptions::attributes empty
 
   uint64_t byte_size() const;
 };

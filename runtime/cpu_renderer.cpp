@@ -141,7 +141,9 @@ class CpuRenderer final : public Renderer {
   }
 
   uint64_t bytes_of(MeshHandle mesh) const override { return meshes_[static_cast<uint32_t>(mesh)].bytes; }
-  uint64_t bytes_of(TextureHandle texture) const override { return textures_[static_cast<uint32_t>(texture)]->byte_size(); }
+  uint64_t bytes_of(TextureHandle texture) const override {
+    return textures_[static_cast<uint32_t>(texture)]->byte_size();
+  }
   uint64_t bytes() const override { return bytes_; }
 
   uint64_t mesh_bytes_bound(uint64_t vertices, uint64_t triangles) const override {
@@ -152,8 +154,8 @@ class CpuRenderer final : public Renderer {
   uint64_t texture_bytes_bound(uint32_t width, uint32_t height) const override {
     uint64_t texels = 0;
     uint64_t w = std::clamp(width, 1U, kMaxTextureSide), h = std::clamp(height, 1U, kMaxTextureSide);
-    for (; w > 1 || h > 1; w = std::max(uint64_t(1), w / 2), h = std::max(uint64_t(1), h / 2)) texels += w * h;
-    return (texels + 1) * (sizeof(int32_t) + 1);
+    for (; w > 1 || h > 1; w = std::max(uint64_t(1), w / 2), h = std::max(uint64_t(1), h / 2)) texels += (w + 1) * h;
+    return (texels + 2) * (sizeof(int32_t) + 1);
   }
 
   uint64_t frame_bytes(uint32_t width_px, uint32_t height_px) const override {
@@ -182,8 +184,8 @@ class CpuRenderer final : public Renderer {
 
   // The frame drawn last.
   bool drawn_ = false;
-  bool blended_ = false;       ///< it has surfaces that are seen through
-  bool solid_drawn_ = false;   ///< solid_buffer_ is of this frame
+  bool blended_ = false;      ///< it has surfaces that are seen through
+  bool solid_drawn_ = false;  ///< solid_buffer_ is of this frame
   FrameView view_;
   std::vector<RasterItem> items_;
   VisibilityBuffer drawn_buffer_, solid_buffer_;

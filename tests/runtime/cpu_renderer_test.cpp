@@ -40,7 +40,8 @@ class CpuRendererTest : public testing::Test {
     view_.background.sky = false;
     view_.background.plain = {10, 20, 30, 255};
   }
-  MeshHandle add(const Mesh& mesh, const std::vector<Material>& materials, const std::vector<TextureHandle>& textures = {}) {
+  MeshHandle add(const Mesh& mesh, const std::vector<Material>& materials,
+                 const std::vector<TextureHandle>& textures = {}) {
     return add_mesh(*renderer_, mesh, materials, textures);
   }
   TextureHandle add(const Image& image) { return add_texture(*renderer_, image); }
@@ -167,7 +168,8 @@ TEST(CpuRendererBesideOpenGl, pictures_differ_by_little_and_ids_and_depths_hardl
   std::vector<uint32_t> nodes[2];
   for (int i = 0; i < 2; ++i) {
     ASSERT_TRUE(renderers[i]->draw(view, fill_market(*renderers[i])));
-    color[i] = *renderers[i]->read_color(), depth[i] = *renderers[i]->read_depth(), nodes[i] = *renderers[i]->read_nodes();
+    color[i] = *renderers[i]->read_color(), depth[i] = *renderers[i]->read_depth(),
+    nodes[i] = *renderers[i]->read_nodes();
   }
   double squares = 0;
   size_t other_nodes = 0, other_depths = 0;
