@@ -6,21 +6,36 @@
 struct TileTriangles {
   uint32_t id[kTilePixels];
   int32_t count;
-  alignas(64) float p[3][3][kTilePixels];      ///< corner, axis
+  alignas(64) float p[3][3][kTilePixels];  ///< corner, axis
   alignas(64) float normal[3][3][kTilePixels];
   alignas(64) float color[3][3][kTilePixels];  ///< linear, the material's included
   alignas(64) float uv[3][2][kTilePixels];
-  alignas(64) int32_t smooth[kTilePixels];     ///< 1: has normals
-  alignas(64) float texture[kTilePixels];      ///< which of `surfaces`; -1: none
-  const Surface* surfaces[kTilePixels];        ///< the distinct textured ones
+  alignas(64) int32_t smooth[kTilePixels];  ///< 1: has normals
+  alignas(64) float texture[kTilePixels];   ///< which of `surfaces`; -1: none
+  const Surface* surfaces[kTilePixels];     ///< the distinct textured ones
   int32_t surface_count;
   bool varying;  ///< some triangle's lit colour may differ from corner to corner
 };
 
 enum Slot : int {
-  slot_u, slot_ux, slot_uy, slot_v, slot_vx, slot_vy,  // NOLINT: one attribute after the other
-  slot_zx, slot_zy, slot_z,
-  slot_r, slot_rx, slot_ry, slot_g, slot_gx, slot_gy, slot_b, slot_bx, slot_by,
+  slot_u,
+  slot_ux,
+  slot_uy,
+  slot_v,
+  slot_vx,
+  slot_vy,  // NOLINT: one attribute after the other
+  slot_zx,
+  slot_zy,
+  slot_z,
+  slot_r,
+  slot_rx,
+  slot_ry,
+  slot_g,
+  slot_gx,
+  slot_gy,
+  slot_b,
+  slot_bx,
+  slot_by,
   slot_count
 };
 
@@ -35,7 +50,8 @@ void find_distinct(const Frame& f, const float* z, const uint32_t* id, TileTrian
   const int32_t* ids = reinterpret_cast<const int32_t*>(id);
   const I first = splat(ids[0]);
   M same = mask_of((1U << kLanes) - 1U);
-  for (int i = 0; i < kTilePixels; i += kLanes) same = same & equal(load(ids + i), first) & (load(z + i) > splat(f.clear_z));
+  for (int i = 0; i < kTilePixels; i += kLanes)
+    same = same & equal(load(ids + i), first) & (load(z + i) > splat(f.clear_z));
   if (bits(same) == (1U << kLanes) - 1U) {
     for (int i = 0; i < kTilePixels; i += kLanes) store(which + i, splat(0));
     t.id[t.count++] = id[0];
@@ -68,7 +84,8 @@ void find_distinct(const Frame& f, const float* z, const uint32_t* id, TileTrian
 PROMENADE_INLINE void to_model(const Item& item, float* p) {
   const float x = p[0], y = p[1], z = p[2];
   for (int i = 0; i < 3; ++i)
-    p[i] = (item.model_rows[i][0] * x + item.model_rows[i][1] * y) + (item.model_rows[i][2] * z + item.model_rows[i][3]);
+    p[i] =
+        (item.model_rows[i][0] * x + item.model_rows[i][1] * y) + (item.model_rows[i][2] * z + item.model_rows[i][3]);
 }
 
 /// Asks for what fetch_triangle will read, for all triangles at once: they lie anywhere in memory.
@@ -124,7 +141,9 @@ void fetch_triangle(const Shading& s, TileTriangles& t, int32_t k) {
     t.smooth[k] = 1;
     const float* n = item.normals + 3 * at;
     for (int c = 0; c < 3; ++c)
-      t.normal[v][c][k] = item.placed ? (item.normal_rows[c][0] * n[0] + item.normal_rows[c][1] * n[1]) + item.normal_rows[c][2] * n[2] : n[c];
+      t.normal[v][c][k] =
+          item.placed ? (item.normal_rows[c][0] * n[0] + item.normal_rows[c][1] * n[1]) + item.normal_rows[c][2] * n[2]
+                      : n[c];
   }
 }
 
@@ -177,9 +196,10 @@ PROMENADE_INLINE void light_corners(const Shading& s, TileTriangles& t, int32_t 
   }
 }
 
-/// The long way for triangles that reach behind the near plane or far out of the picture: in double, without dividing by
-/// their w.
-void set_up_far_reaching(const Frame& f, const Shading& s, const TileTriangles& t, int32_t k, float x, float y, TileFunctions& out) {
+/// The long way for triangles that reach behind the near plane or far out of the picture: in double, without dividing
+/// by their w.
+void set_up_far_reaching(const Frame& f, const Shading& s, const TileTriangles& t, int32_t k, float x, float y,
+                         TileFunctions& out) {
   ViewPoint p[3];
   for (int v = 0; v < 3; ++v) {
     const float d[3] = {(t.p[v][0][k] - s.eye_hi[0]) - s.eye_lo[0], (t.p[v][1][k] - s.eye_hi[1]) - s.eye_lo[1],
@@ -210,8 +230,8 @@ void set_up_far_reaching(const Frame& f, const Shading& s, const TileTriangles& 
 
 /// Functions over the picture of kLanes triangles from `first` on; x, y: centre of the tile's first pixel, sub-pixels
 /// from the axis.
-PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileTriangles& t, int32_t first, float x, float y,
-                                   TileFunctions& out) {
+PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileTriangles& t, int32_t first, float x,
+                                   float y, TileFunctions& out) {
   F px[3], py[3], pz[3];
   const F one = splat(1.0F), near = splat(f.near_m), pixel = splat(static_cast<float>(kSubpixel));
   M far = mask_of(0);
@@ -239,7 +259,7 @@ PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileT
     store(out.a[dy] + first, gy);
     store(out.a[at] + first, a0 + (gx * to_x + gy * to_y));
   };
-  const auto corner = [&](const float (*v)[kTilePixels], int axis) { return load(v[axis] + first); };
+  const auto corner = [&](const float(*v)[kTilePixels], int axis) { return load(v[axis] + first); };
   if (t.surface_count > 0) {
     put(corner(t.uv[0], 0), corner(t.uv[1], 0), corner(t.uv[2], 0), slot_u, slot_ux, slot_uy);
     put(corner(t.uv[0], 1), corner(t.uv[1], 1), corner(t.uv[2], 1), slot_v, slot_vx, slot_vy);
@@ -247,7 +267,8 @@ PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileT
   }
   for (int c = 0; c < 3; ++c) {
     if (t.varying)
-      put(corner(t.color[0], c), corner(t.color[1], c), corner(t.color[2], c), slot_r + 3 * c, slot_rx + 3 * c, slot_ry + 3 * c);
+      put(corner(t.color[0], c), corner(t.color[1], c), corner(t.color[2], c), slot_r + 3 * c, slot_rx + 3 * c,
+          slot_ry + 3 * c);
     else
       store(out.a[slot_r + 3 * c] + first, corner(t.color[0], c));
   }
@@ -256,10 +277,11 @@ PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileT
   for (; redo != 0; redo &= redo - 1) set_up_far_reaching(f, s, t, first + __builtin_ctz(redo), x, y, out);
 }
 
-// --- Textures ----------------------------------------------------------------------------------------------------------
+// --- Textures
+// ----------------------------------------------------------------------------------------------------------
 
-/// A texture coordinate to the two neighbouring texels' columns (or rows) and the share of the second.
-PROMENADE_INLINE void neighbours(F t, uint8_t wrap, I size, I& first, I& second, F& share) {
+/// A texture coordinate in texels from the first one's centre, wrapped; >= -0.5.
+PROMENADE_INLINE F wrapped(F t, uint8_t wrap, I size) {
   const F zero = splat(0.0F), one = splat(1.0F);
   t = max(min(t, splat(1e6F)), splat(-1e6F));
   if (wrap == 2) {
@@ -270,37 +292,37 @@ PROMENADE_INLINE void neighbours(F t, uint8_t wrap, I size, I& first, I& second,
   } else {
     t = t - floor(t);
   }
-  const F x = t * to_float(size) - splat(0.5F), whole = floor(x);
-  share = x - whole;
-  first = truncate(whole), second = first + splat(1);
-  const I last = size - splat(1);
-  if (wrap == 0) {
-    first = select(first < splat(0), last, first);
-    second = select(second > last, splat(0), second);
-  }
-  first = max(min(first, last), splat(0)), second = max(min(second, last), splat(0));
+  return t * to_float(size) - splat(0.5F);
 }
 
 /// A bilinear sample of one mip level, linear.
 PROMENADE_INLINE void sample_level(const Surface& surface, F u, F v, I level, M active, F* out) {
   const Texture& t = *surface.texture;
-  const I width = max(shift_right_by(splat(static_cast<int32_t>(t.width)), level), splat(1));
+  const I zero = splat(0), width = max(shift_right_by(splat(static_cast<int32_t>(t.width)), level), splat(1));
   const I height = max(shift_right_by(splat(static_cast<int32_t>(t.height)), level), splat(1));
   const I offset = gather(reinterpret_cast<const int32_t*>(t.level_offset), level);
-  I x[2], y[2];
-  F sx, sy;
-  neighbours(u, surface.wrap_u, width, x[0], x[1], sx);
-  neighbours(v, surface.wrap_v, height, y[0], y[1], sy);
-  const F one = splat(1.0F);
-  const F weight_x[2] = {one - sx, sx}, weight_y[2] = {one - sy, sy};
+  const F fu = wrapped(u, surface.wrap_u, width), fv = wrapped(v, surface.wrap_v, height);
+  const F whole_u = floor(fu), whole_v = floor(fv), sy = fv - whole_v;
+  F sx = fu - whole_u;
+  const I last_x = width - splat(1), last_y = height - splat(1);
+  I x = truncate(whole_u), y[2] = {truncate(whole_v), truncate(whole_v) + splat(1)};
+  if (surface.wrap_u == 0)
+    x = select(x < zero, last_x, x);  // the row's last texel is its first again
+  else
+    sx = select((x < zero) | (x > last_x - splat(1)), splat(0.0F), sx);
+  if (surface.wrap_v == 0) y[0] = select(y[0] < zero, last_y, y[0]), y[1] = select(y[1] > last_y, zero, y[1]);
+  x = max(min(x, last_x), zero);
   for (int c = 0; c < 3; ++c) out[c] = splat(0.0F);
+  const I low = splat(1023);
   for (int j = 0; j < 2; ++j) {
-    const I row = offset + y[j] * width;
+    const I row = offset + max(min(y[j], last_y), zero) * (width + splat(1));
+    I texel[2];
+    gather_pairs(t.texels, select(active, row + x, zero), texel[0], texel[1]);
+    const F down = j == 0 ? splat(1.0F) - sy : sy;
     for (int i = 0; i < 2; ++i) {
-      const I texel = gather(t.texels, select(active, row + x[i], splat(0)));
-      const F weight = weight_x[i] * weight_y[j];
-      const I low = splat(1023);
-      const F r = to_float(texel & low), g = to_float(shift_right<10>(texel) & low), b = to_float(shift_right<20>(texel));
+      const F weight = (i == 0 ? splat(1.0F) - sx : sx) * down;
+      const F r = to_float(texel[i] & low), g = to_float(shift_right<10>(texel[i]) & low),
+              b = to_float(shift_right<20>(texel[i]));
       out[0] = out[0] + weight * (r * r), out[1] = out[1] + weight * (g * g), out[2] = out[2] + weight * (b * b);
     }
   }
@@ -333,7 +355,8 @@ PROMENADE_INLINE void sample_texture(const Surface& surface, F u, F v, F dux, F 
   for (int c = 0; c < 3; ++c) out[c] = out[c] + share * (coarse[c] - out[c]);
 }
 
-// --- Pixels ------------------------------------------------------------------------------------------------------------
+// --- Pixels
+// ------------------------------------------------------------------------------------------------------------
 
 /// Linear to sRGB bytes, in the lowest byte: the curve as a polynomial of the square root, within 0.2 of a step.
 PROMENADE_INLINE I to_srgb(F a) {
@@ -346,7 +369,8 @@ PROMENADE_INLINE I to_srgb(F a) {
 }
 
 PROMENADE_INLINE I packed_srgb(const F* c) {
-  return to_srgb(c[0]) | shift_left<8>(to_srgb(c[1])) | shift_left<16>(to_srgb(c[2])) | splat(static_cast<int32_t>(0xff000000U));
+  return to_srgb(c[0]) | shift_left<8>(to_srgb(c[1])) | shift_left<16>(to_srgb(c[2])) |
+         splat(static_cast<int32_t>(0xff000000U));
 }
 
 PROMENADE_INLINE I sky_at(const Shading& s, F x, F y) {
@@ -358,13 +382,14 @@ PROMENADE_INLINE I sky_at(const Shading& s, F x, F y) {
   const F share = select(above, sqrt(max(d[2], zero)), min(splat(1.0F), splat(-8.0F) * d[2]));
   F color[3];
   for (int c = 0; c < 3; ++c)
-    color[c] = splat(s.horizon[c]) + share * (select(above, splat(s.zenith[c]), splat(s.below[c])) - splat(s.horizon[c]));
+    color[c] =
+        splat(s.horizon[c]) + share * (select(above, splat(s.zenith[c]), splat(s.below[c])) - splat(s.horizon[c]));
   return packed_srgb(color);
 }
 
 /// Multiplies the colours of the covered lanes by their textures.
-PROMENADE_INLINE void apply_textures(const Frame& f, const TileTriangles& t, const TileFunctions& fn, I which, M covered, F dx, F dy,
-                                     F w, F* color) {
+PROMENADE_INLINE void apply_textures(const Frame& f, const TileTriangles& t, const TileFunctions& fn, I which,
+                                     M covered, F dx, F dy, F w, F* color) {
   const auto slot = [&](int k) { return Table64(fn.a[k])[which]; };
   const F ux = slot(slot_ux), uy = slot(slot_uy), vx = slot(slot_vx), vy = slot(slot_vy);
   const F u = (slot(slot_u) + (ux * dx + uy * dy)) * w, v = (slot(slot_v) + (vx * dx + vy * dy)) * w;

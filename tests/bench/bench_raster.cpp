@@ -35,20 +35,23 @@ uint64_t hash(uint64_t z) {
 }
 
 /// A wall of cells, each a quad; every other one recessed by its frame (a window: five quads).
-void add_wall(Mesh& mesh, const glm::vec3& origin, const glm::vec3& along, const glm::vec3& up, uint32_t columns, uint32_t rows) {
+void add_wall(Mesh& mesh, const glm::vec3& origin, const glm::vec3& along, const glm::vec3& up, uint32_t columns,
+              uint32_t rows) {
   const glm::vec3 inwards = -glm::normalize(glm::cross(along, up)) * 0.25F;
   const auto quad = [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d) {
     const auto first = static_cast<uint32_t>(mesh.positions.size());
     for (const glm::vec3& p : {a, b, c, d}) {
       mesh.positions.push_back(p);
-      mesh.texcoords.emplace_back(glm::dot(p - origin, glm::normalize(along)) / 4, glm::dot(p - origin, glm::normalize(up)) / 4);
+      mesh.texcoords.emplace_back(glm::dot(p - origin, glm::normalize(along)) / 4,
+                                  glm::dot(p - origin, glm::normalize(up)) / 4);
     }
     for (const uint32_t i : {0U, 1U, 2U, 0U, 2U, 3U}) mesh.indices.push_back(first + i);
   };
   const auto at = [&](float x, float y) { return origin + along * (x / float(columns)) + up * (y / float(rows)); };
   for (uint32_t r = 0; r < rows; ++r) {
     for (uint32_t c = 0; c < columns; ++c) {
-      const glm::vec3 p[4] = {at(float(c), float(r)), at(float(c + 1), float(r)), at(float(c + 1), float(r + 1)), at(float(c), float(r + 1))};
+      const glm::vec3 p[4] = {at(float(c), float(r)), at(float(c + 1), float(r)), at(float(c + 1), float(r + 1)),
+                              at(float(c), float(r + 1))};
       if ((r + c) % 2 == 0) {
         quad(p[0], p[1], p[2], p[3]);
         continue;
@@ -96,7 +99,8 @@ Image facade(uint32_t seed) {
     for (uint32_t x = 0; x < 256; ++x) {
       const uint64_t h = hash(uint64_t(seed) << 32 | (y / 8 * 256 + x / 16));
       const auto tone = static_cast<uint8_t>(140 + h % 60 + hash(seed) % 40);
-      image.pixels.emplace_back(tone, uint8_t(tone - hash(seed) % 50), uint8_t(tone - hash(seed + 9) % 70), uint8_t(255));
+      image.pixels.emplace_back(tone, uint8_t(tone - hash(seed) % 50), uint8_t(tone - hash(seed + 9) % 70),
+                                uint8_t(255));
     }
   return image;
 }
@@ -183,7 +187,8 @@ void BM_Frame(benchmark::State& state) {
   const double n = double(state.iterations());
   state.counters["cull_ms"] = sum.cull_ms / n, state.counters["draw_ms"] = sum.draw_ms / n;
   state.counters["in_view"] = double(sum.items_in_view) / n, state.counters["drawn"] = double(sum.items_drawn) / n;
-  state.counters["set_up"] = double(sum.triangles_set_up) / n, state.counters["rastered"] = double(sum.triangles_drawn) / n;
+  state.counters["set_up"] = double(sum.triangles_set_up) / n,
+  state.counters["rastered"] = double(sum.triangles_drawn) / n;
   state.SetLabel(std::string(kViewNames[state.range(1)]) + (state.range(4) != 0 ? " shaded" : " raster"));
 }
 
@@ -209,7 +214,8 @@ void BM_ItemBuffers(benchmark::State& state) {
   for (auto _ : state) {
     const Camera camera = camera_of(c, street, frame++ % 8);
     for (int face = 0; face < 6; ++face)
-      if (!buffer.draw(cube_face_view(camera.pose.eye, face, 256, 0.1), c.items, options).ok()) state.SkipWithError("not drawn");
+      if (!buffer.draw(cube_face_view(camera.pose.eye, face, 256, 0.1), c.items, options).ok())
+        state.SkipWithError("not drawn");
   }
   report(state, c);
 }
@@ -219,7 +225,8 @@ void BM_Prepare(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(prepare(mesh, {}));
 }
 
-// --- Embree ------------------------------------------------------------------------------------------------------------
+// --- Embree
+// ------------------------------------------------------------------------------------------------------------
 
 class EmbreeCity {
  public:
@@ -227,8 +234,10 @@ class EmbreeCity {
     for (uint32_t i = 0; i < c.meshes.size(); ++i) {
       const Mesh& m = c.meshes[i];
       RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-      std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, m.positions.size()), m.positions.data(), m.positions.size() * 12);
-      std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, m.triangle_count()), m.indices.data(), m.indices.size() * 4);
+      std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, m.positions.size()),
+                  m.positions.data(), m.positions.size() * 12);
+      std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, m.triangle_count()),
+                  m.indices.data(), m.indices.size() * 4);
       rtcCommitGeometry(g);
       rtcAttachGeometryByID(scene_, g, i);
       rtcReleaseGeometry(g);
@@ -298,7 +307,8 @@ void BM_ItemBuffersEmbree(benchmark::State& state) {
   report(state, c);
 }
 
-// --- OSMesa --------------------------------------------------------------------------------------------------------------
+// --- OSMesa
+// --------------------------------------------------------------------------------------------------------------
 
 /// The few old entry points that a textured mesh needs, from OSMesa itself.
 struct Gl {
@@ -409,9 +419,14 @@ void BM_FrameOsMesa(benchmark::State& state) {
 const bool kRegistered = [] {
   const char* only = std::getenv("PROMENADE_BENCH_TRIANGLES");
   const auto add = [](const char* name, auto function, const std::vector<int64_t>& args) {
-    benchmark::RegisterBenchmark(name, function)->Args(args)->Unit(benchmark::kMillisecond)->UseRealTime()->MinTime(0.4);
+    benchmark::RegisterBenchmark(name, function)
+        ->Args(args)
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime()
+        ->MinTime(0.4);
   };
-  const std::vector<std::pair<int64_t, const char*>> simds = {{int64_t(Simd::avx512), "avx512"}, {int64_t(Simd::avx2), "avx2"}, {int64_t(Simd::portable), "portable"}};
+  const std::vector<std::pair<int64_t, const char*>> simds = {
+      {int64_t(Simd::avx512), "avx512"}, {int64_t(Simd::avx2), "avx2"}, {int64_t(Simd::portable), "portable"}};
   for (const int64_t n : {100000, 300000, 1000000, 5000000}) {
     if (only != nullptr && std::atoll(only) != n) continue;
     for (const int64_t view : {street, overview}) {
@@ -423,7 +438,8 @@ const bool kRegistered = [] {
       add("Frame/Embree", BM_FrameEmbree, {n, view});
     }
     for (const auto& [simd, name] : simds)
-      for (const int64_t threads : {1, 2}) add((std::string("ItemBuffers/") + name).c_str(), BM_ItemBuffers, {n, threads, simd});
+      for (const int64_t threads : {1, 2})
+        add((std::string("ItemBuffers/") + name).c_str(), BM_ItemBuffers, {n, threads, simd});
     add("ItemBuffers/Embree", BM_ItemBuffersEmbree, {n});
     add("Sides", BM_TwoSidedOverview, {n, 0});
     add("Sides", BM_TwoSidedOverview, {n, 1});
