@@ -21,7 +21,7 @@ namespace {
 
 constexpr uint32_t kMaxFloors = 400;   // 1.5 km high; keeps float positions within a tenth of a millimetre
 constexpr double kLeastQuality = 0.1;  // below it nothing gets simpler
-constexpr double kMostQuality = 6;     // beyond it a chair's edges are finer than a millimetre
+constexpr double kMostQuality = 4;     // beyond it a chair's edges are finer than a millimetre
 constexpr double kTolerance = 0.1;     // of BuildingOptions::triangles
 constexpr int kBisections = 14;
 
@@ -114,6 +114,7 @@ void Architect::refine() {
     const uint64_t error =
         triangles > options_.triangles ? triangles - options_.triangles : options_.triangles - triangles;
     if (error < best_error) best_error = error, best = quality;
+    if (error * 100 < options_.triangles) return;
     (triangles > options_.triangles ? high : low) = quality;
     monitor_.progress("design", static_cast<uint64_t>(i) + 1, kBisections);
   }

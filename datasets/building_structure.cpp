@@ -168,24 +168,23 @@ void Builder::slab(uint32_t floor) {
 /// Stairs in the frame of the stairwell's inner south-west corner.
 void Builder::stairs() {
   const double run = kTreads * kTread_m, half = (kTreads + 1) * kRiser_m, y0 = kLanding_m, y1 = y0 + run;
-  std::vector<dvec2> up{{y0, 0}, {y0 + 0.4, 0}, {y1, kTreads * kRiser_m - 0.2}};
-  std::vector<dvec2> back{{y0, half + kTreads * kRiser_m - 0.2}, {y1 - 0.4, half - 0.18}, {y1, half - 0.18}};
-  for (uint32_t i = kTreads; i-- > 0;) {
-    up.emplace_back(y0 + (i + 1) * kTread_m, (i + 1) * kRiser_m);
-    up.emplace_back(y0 + i * kTread_m, (i + 1) * kRiser_m);
-  }
-  for (uint32_t i = 0; i < kTreads; ++i) {
-    back.emplace_back(y1 - i * kTread_m, half + (i + 1) * kRiser_m);
-    back.emplace_back(y1 - (i + 1) * kTread_m, half + (i + 1) * kRiser_m);
-  }
   double right = 0;
   for (const Room& room : plan_.rooms) {
     if (room.kind == RoomKind::stairwell) right = room.max.x - room.min.x - 2 * kWallHalf_m;
   }
-  const glm::dmat4 upright = turned_z(90) * turned_x(90);
-  sculptor_.stand(upright).paint(kConcrete);
-  sculptor_.extrude(up, {}, 0, kFlightWidth_m);
-  sculptor_.extrude(back, {}, right - kFlightWidth_m, right);
+  // A closed block a step, over a sloping underside.
+  sculptor_.stand(turned_z(90) * turned_x(90)).paint(kConcrete);
+  for (uint32_t i = 0; i < kTreads; ++i) {
+    const double near = i * kTread_m, far = (i + 1) * kTread_m, low = i * kRiser_m - 0.2, top = (i + 1) * kRiser_m;
+    const dvec2 up[] = {
+        {y0 + near, std::max(0.0, low)}, {y0 + far, std::max(0.0, low + kRiser_m)}, {y0 + far, top}, {y0 + near, top}};
+    sculptor_.extrude(up, {}, 0, kFlightWidth_m);
+    const dvec2 back[] = {{y1 - far, half + std::max(-0.18, low + kRiser_m)},
+                          {y1 - near, half + std::max(-0.18, low)},
+                          {y1 - near, half + top},
+                          {y1 - far, half + top}};
+    sculptor_.extrude(back, {}, right - kFlightWidth_m, right);
+  }
   sculptor_.stand().box({0, y1, half - 0.18}, {right, y1 + 1.5, half});
   const uint32_t mesh = keep();
   for (const Room& room : plan_.rooms) {

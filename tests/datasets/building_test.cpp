@@ -267,7 +267,7 @@ TEST_F(BuildingFiles, same_seed_means_same_bytes_at_any_number_of_threads) {
 
 TEST_F(BuildingFiles, triangles_come_within_a_tenth_of_what_was_asked) {
   for (const auto& [floors, triangles] :
-       std::vector<std::pair<uint32_t, uint64_t>>{{1, 100'000}, {2, 250'000}, {2, 4'000'000}}) {
+       std::vector<std::pair<uint32_t, uint64_t>>{{1, 100'000}, {2, 250'000}, {1, 2'000'000}}) {
     BuildingOptions options;
     options.floors = floors, options.triangles = triangles;
     const Result<BuildingFigures> made = generate_building(options, folder / "b.glb", monitor);
@@ -278,10 +278,10 @@ TEST_F(BuildingFiles, triangles_come_within_a_tenth_of_what_was_asked) {
 
 TEST_F(BuildingFiles, more_triangles_than_furniture_can_take_add_floors) {
   BuildingOptions options;
-  options.floors = 1, options.triangles = 30'000'000;
+  options.floors = 1, options.triangles = 20'000'000;
   const Result<BuildingFigures> made = generate_building(options, folder / "tower.glb", monitor);
   ASSERT_TRUE(made.ok()) << made.error().message;
-  EXPECT_NEAR(double(made->triangles), 3e7, 3e6);
+  EXPECT_NEAR(double(made->triangles), 2e7, 2e6);
   EXPECT_GT(made->box.max.z, 2 * kStorey_m);
 }
 
