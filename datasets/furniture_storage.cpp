@@ -16,7 +16,6 @@ using glm::dvec3;
 using namespace palette;
 
 constexpr uint32_t kBooks = 24;
-constexpr double kWholeBooks = 0.6;  // from this quality on a book has boards, a spine and leaves
 
 struct Bookcase {
   glm::u8vec4 wood = kOak;
@@ -53,7 +52,7 @@ struct Book {
 };
 
 Book book_parameters(uint32_t variant) {
-  static constexpr std::array<glm::u8vec4, 8> kCovers = {kNavy, kWine,    kSage,  kMustard,
+  static constexpr std::array<glm::u8vec4, 8> kCovers = {kNavy, kWine,      kSage,  kMustard,
                                                          kRust, kTealCloth, kSlate, rgb(0x5a3d6b)};
   BuildingRandom random(0xb00c + variant);
   Book book{};
@@ -68,7 +67,7 @@ Book book_parameters(uint32_t variant) {
 void add_book(Sculptor& s, const Book& b) {
   const double w = b.size.width_m / 2, d = b.size.depth_m, h = b.size.height_m;
   s.paint(b.cover);
-  if (s.quality() < kWholeBooks) {  // a block whose head and tail show paper
+  if (s.quality() < kFineDetail) {  // a block whose head and tail show paper
     const glm::dvec2 block[] = {{-w, 0}, {w, 0}, {w, d}, {-w, d}};
     return s.extrude(block, {}, 0, h, &kPaper, &kPaper);
   }
@@ -146,7 +145,11 @@ Mesh filing_cabinet(const Cabinet& p, double quality) {
     const double z = 0.04 + i * step;
     s.paint(shaded(p.body, 0.12));
     s.rounded_box({-w + 0.012, -d, z}, {w - 0.012, -d + 0.019, z + step - 0.015}, 0.006, s.steps(1, 0));
-    const dvec3 handle[] = {{-0.07, -d + 0.01, z + step * 0.6}, {-0.07, -d - 0.022, z + step * 0.6}, {0.07, -d - 0.022, z + step * 0.6}, {0.07, -d + 0.01, z + step * 0.6}};
+    if (quality < 0.25) continue;
+    const dvec3 handle[] = {{-0.07, -d + 0.01, z + step * 0.6},
+                            {-0.07, -d - 0.022, z + step * 0.6},
+                            {0.07, -d - 0.022, z + step * 0.6},
+                            {0.07, -d + 0.01, z + step * 0.6}};
     s.paint(kChrome).tube(handle, 0.006, s.steps(6, 3));
     s.paint(kPaper).box({-0.045, -d - 0.003, z + step * 0.74}, {0.045, -d - 0.0005, z + step * 0.86});
   }
@@ -183,16 +186,20 @@ void add_storage(FurnitureCatalogue& catalogue) {
   catalogue.add("library_shelf", "bookshelf", each<Bookcase>(bookcase, {{kCherry, true}}));
   std::vector<std::function<Mesh(double)>> books, piles, runs;
   for (uint32_t i = 0; i < kBooks; ++i) books.emplace_back([i](double quality) { return book(i, quality); });
-  for (uint32_t i = 0; i < 4; ++i) piles.emplace_back([i](double quality) { return book_pile(5 * i, 2 + i % 3, quality); });
+  for (uint32_t i = 0; i < 4; ++i)
+    piles.emplace_back([i](double quality) { return book_pile(5 * i, 2 + i % 3, quality); });
   for (uint32_t i = 0; i < 10; ++i) runs.emplace_back([i](double quality) { return book_run(i, quality); });
   catalogue.add("book", "book", books);
   catalogue.add("book_pile", "books", piles);
   catalogue.add("book_run", "books", runs);
-  catalogue.add("filing_cabinet", "cabinet",
-                each<Cabinet>(filing_cabinet, {{}, {.height_m = 0.72, .drawers = 2, .body = kGraphite}, {.body = kSand}}));
-  catalogue.add("cardboard_box", "box", {[](double q) { return cardboard_box(kCardboard, 0.4, 0.3, 0.28, q); },
-                                         [](double q) { return cardboard_box(kOffWhite, 0.34, 0.32, 0.26, q); }});
-  catalogue.add("lockers", "cabinet", {[](double q) { return lockers(kTealCloth, q); }, [](double q) { return lockers(kRust, q); }});
+  catalogue.add(
+      "filing_cabinet", "cabinet",
+      each<Cabinet>(filing_cabinet, {{}, {.height_m = 0.72, .drawers = 2, .body = kGraphite}, {.body = kSand}}));
+  catalogue.add("cardboard_box", "box",
+                {[](double q) { return cardboard_box(kCardboard, 0.4, 0.3, 0.28, q); },
+                 [](double q) { return cardboard_box(kOffWhite, 0.34, 0.32, 0.26, q); }});
+  catalogue.add("lockers", "cabinet",
+                {[](double q) { return lockers(kTealCloth, q); }, [](double q) { return lockers(kRust, q); }});
 }
 
 }  // namespace promenade

