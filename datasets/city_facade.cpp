@@ -10,7 +10,7 @@
 namespace promenade {
 namespace {
 
-constexpr float kBelowGround_m = 0.3F;  // walls reach below the pavement, so that no gap shows under them
+constexpr float kBelowGroundM = 0.3F;  // walls reach below the pavement, so that no gap shows under them
 
 /// A hole in a wall, in the wall's frame.
 struct Opening {
@@ -91,14 +91,14 @@ void WallBuilder::build() {
     const float z1 = f + 1 == floors_ ? wall_.top_m : wall_.bottom_m + first + rest * static_cast<float>(f);
     wall_paint(f);
     if (bare)
-      plain(0, length_, f == 0 && wall_.ground ? z0 - kBelowGround_m : z0, z1);
+      plain(0, length_, f == 0 && wall_.ground ? z0 - kBelowGroundM : z0, z1);
     else
       build_floor(f, z0, z1);
   }
 }
 
 void WallBuilder::build_floor(int floor, float z0, float z1) {
-  if (floor == 0 && wall_.ground) plain(0, length_, z0 - kBelowGround_m, z0);
+  if (floor == 0 && wall_.ground) plain(0, length_, z0 - kBelowGroundM, z0);
   for (int bay = 0; bay < bays_; ++bay) {
     const float x0 = length_ * static_cast<float>(bay) / static_cast<float>(bays_);
     const float x1 = bay + 1 == bays_ ? length_ : length_ * static_cast<float>(bay + 1) / static_cast<float>(bays_);
