@@ -118,7 +118,7 @@ void WallBuilder::build_rooms(int floor, float z0, float z1) {
       ++bay;
       continue;
     }
-    Random random = random_.fork(0x700000 + static_cast<uint64_t>(floor * 512 + bay));
+    Random random = random_.fork(0x700000 + static_cast<uint64_t>(floor) * 512 + static_cast<uint64_t>(bay));
     int end = bay + 1;
     const int wish = bay + random.between(1, 3);
     while (end < wish && end < bays_ && has_room({bay_start(end), bay_start(end + 1), z0, z1, end, floor})) ++end;
@@ -227,7 +227,7 @@ void WallBuilder::bars(const Opening& o, float recess_m, int across, int up) {
 
 void WallBuilder::window(const Cell& cell) {
   const Opening o = window_of(cell);
-  Random random = random_.fork(static_cast<uint64_t>(cell.floor * 512 + cell.bay));
+  Random random = random_.fork(static_cast<uint64_t>(cell.floor) * 512 + static_cast<uint64_t>(cell.bay));
   const float recess = style_.recess_m;
   hole(cell, o, recess);
   pane(o, recess, random.fork(1));

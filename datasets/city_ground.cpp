@@ -70,6 +70,7 @@ class GroundBuilder {
   glm::vec3 at(const glm::dvec2& world, float z) const { return {frame_.local(world), z}; }
   std::vector<glm::vec3> lifted(const std::vector<glm::dvec2>& plan_points, float z) const {
     std::vector<glm::vec3> points;
+    points.reserve(plan_points.size());
     for (const glm::dvec2& p : plan_points) points.push_back(at(plan_.world(p), z));
     return points;
   }
