@@ -77,7 +77,7 @@ std::vector<glm::vec2> section_at(const CarForm& f, float x, int side_rows, int 
   }
   for (int k = 1; k <= roof_rows; ++k) {
     const float t = static_cast<float>(k) / static_cast<float>(roof_rows);
-    const float from = points[static_cast<size_t>(side_rows + cabin_rows)].y;
+    const float from = points[static_cast<size_t>(side_rows) + static_cast<size_t>(cabin_rows)].y;
     points.emplace_back(roof_half * std::cos(t * 1.5708F), from + (top + 0.02F - from) * std::sin(t * 1.5708F));
   }
   return points;
@@ -103,7 +103,7 @@ Color body_color(const CarForm& f, const Color& paint, float x, int row, const B
 }
 
 void body(SmoothShape& shape, const CarForm& f, const Color& paint, int stations, const BodyRows& rows) {
-  const auto columns = static_cast<size_t>(2 * rows.half() + 1);
+  const auto columns = 2 * static_cast<size_t>(rows.half()) + 1;
   std::vector<glm::vec3> points;
   std::vector<float> xs;
   for (int s = 0; s <= stations; ++s) {

@@ -11,7 +11,7 @@
 namespace promenade {
 namespace {
 
-constexpr double kJointStep_m = 12;  // a street with a radius of 300 m bends by 6 cm within it
+constexpr double kJointStepM = 12;  // a street with a radius of 300 m bends by 6 cm within it
 
 }  // namespace
 
@@ -71,12 +71,12 @@ std::vector<glm::dvec2> CityPlan::joint(const glm::dvec2& from, const glm::dvec2
   const auto at = [&](double t) { return across ? glm::dvec2(t, from.y) : glm::dvec2(from.x, t); };
   // An end between two cuts lies on the chord that the neighbour draws between them.
   const auto on_chord = [&](double t) {
-    const double low = std::floor(t / kJointStep_m) * kJointStep_m;
-    return glm::mix(world(at(low)), world(at(low + kJointStep_m)), (t - low) / kJointStep_m);
+    const double low = std::floor(t / kJointStepM) * kJointStepM;
+    return glm::mix(world(at(low)), world(at(low + kJointStepM)), (t - low) / kJointStepM);
   };
   std::vector<glm::dvec2> points = {on_chord(std::min(a, b))};
-  for (double t = (std::floor(std::min(a, b) / kJointStep_m) + 1) * kJointStep_m; t < std::max(a, b) - 1e-9;
-       t += kJointStep_m)
+  for (double t = (std::floor(std::min(a, b) / kJointStepM) + 1) * kJointStepM; t < std::max(a, b) - 1e-9;
+       t += kJointStepM)
     points.push_back(world(at(t)));
   points.push_back(on_chord(std::max(a, b)));
   if (a > b) std::reverse(points.begin(), points.end());
