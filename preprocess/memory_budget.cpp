@@ -38,9 +38,9 @@ Result<MemoryBudget> plan_memory(const MemoryWishes& wishes) {
   const uint64_t free = wishes.memory_bytes - kProgram;
   const uint64_t node = uint64_t(wishes.node_triangles) * wishes.level_factor * kNodeTriangle;
   if (node > free / 4)
-    return needs(fmt::format("a level factor of {} with nodes of {} triangles", wishes.level_factor,
-                             wishes.node_triangles),
-                 4 * node);
+    return needs(
+        fmt::format("a level factor of {} with nodes of {} triangles", wishes.level_factor, wishes.node_triangles),
+        4 * node);
   const uint32_t jobs = wishes.jobs != 0 ? wishes.jobs : std::max(1U, std::thread::hardware_concurrency());
   budget.jobs = static_cast<uint32_t>(std::min<uint64_t>(jobs, free / 4 / node));
 
