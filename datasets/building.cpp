@@ -19,10 +19,10 @@ namespace promenade {
 
 namespace {
 
-constexpr uint32_t kMaxFloors = 400;      // 1.5 km high; keeps float positions within a tenth of a millimetre
-constexpr double kLeastQuality = 0.1;     // below it nothing gets simpler
-constexpr double kMostQuality = 6;        // beyond it a chair's edges are finer than a millimetre
-constexpr double kTolerance = 0.1;        // of BuildingOptions::triangles
+constexpr uint32_t kMaxFloors = 400;   // 1.5 km high; keeps float positions within a tenth of a millimetre
+constexpr double kLeastQuality = 0.1;  // below it nothing gets simpler
+constexpr double kMostQuality = 4;     // beyond it a chair's edges are finer than a millimetre
+constexpr double kTolerance = 0.1;     // of BuildingOptions::triangles
 constexpr int kBisections = 14;
 
 struct Design {
@@ -38,7 +38,9 @@ struct Design {
 class Architect {
  public:
   Architect(const BuildingOptions& options, JobMonitor& monitor)
-      : options_(options), monitor_(monitor), arena_(options.jobs == 0 ? tbb::task_arena::automatic : static_cast<int>(options.jobs)) {}
+      : options_(options),
+        monitor_(monitor),
+        arena_(options.jobs == 0 ? tbb::task_arena::automatic : static_cast<int>(options.jobs)) {}
 
   /// Finds floors, density and quality that come closest to the triangles asked for.
   Result<Design> design();
@@ -97,8 +99,9 @@ Status Architect::thin_out() {
   furnish(low);
   const uint64_t least = build(kLeastQuality);
   if (static_cast<double>(least) <= static_cast<double>(options_.triangles) * (1 + kTolerance)) return Done{};
-  return Error{fmt::format("building: {} triangles are too few for {} floors, which need {}; ask for more triangles or fewer floors",
-                           options_.triangles, design_.plan.floors, least)};
+  return Error{fmt::format(
+      "building: {} triangles are too few for {} floors, which need {}; ask for more triangles or fewer floors",
+      options_.triangles, design_.plan.floors, least)};
 }
 
 void Architect::refine() {
@@ -108,8 +111,10 @@ void Architect::refine() {
   for (int i = 0; i < kBisections; ++i) {
     const double quality = std::sqrt(low * high);
     const uint64_t triangles = build(quality);
-    const uint64_t error = triangles > options_.triangles ? triangles - options_.triangles : options_.triangles - triangles;
+    const uint64_t error =
+        triangles > options_.triangles ? triangles - options_.triangles : options_.triangles - triangles;
     if (error < best_error) best_error = error, best = quality;
+    if (error * 100 < options_.triangles) return;
     (triangles > options_.triangles ? high : low) = quality;
     monitor_.progress("design", static_cast<uint64_t>(i) + 1, kBisections);
   }
@@ -124,7 +129,8 @@ Result<Design> Architect::design() {
     return std::move(design_);
   }
   for (uint64_t most = build(kMostQuality); most < options_.triangles; most = build(kMostQuality)) {
-    const double wanted = std::ceil(design_.plan.floors * 1.02 * static_cast<double>(options_.triangles) / static_cast<double>(most));
+    const double wanted =
+        std::ceil(design_.plan.floors * 1.02 * static_cast<double>(options_.triangles) / static_cast<double>(most));
     if (wanted > kMaxFloors) {
       return Error{fmt::format("building: {} triangles would need {} floors, {} are the most; ask for fewer triangles",
                                options_.triangles, wanted, kMaxFloors)};
@@ -142,13 +148,15 @@ Status check(const BuildingOptions& options, const std::filesystem::path& output
   }
   if (options.triangles == 0) return Error{"building: 0 triangles; ask for some hundred thousand or more"};
   if (output.extension() != ".glb") {
-    return Error{fmt::format("{}: a building is written as one binary glTF file; give a name that ends in .glb", output.string())};
+    return Error{fmt::format("{}: a building is written as one binary glTF file; give a name that ends in .glb",
+                             output.string())};
   }
   return Done{};
 }
 
 /// Writes the meshes that are used, then a node an object.
-Status write_objects(const Design& design, const FurnitureCatalogue& catalogue, GlbWriter& writer, JobMonitor& monitor) {
+Status write_objects(const Design& design, const FurnitureCatalogue& catalogue, GlbWriter& writer,
+                     JobMonitor& monitor) {
   writer.add_material("paint", Material{});
   std::vector<uint32_t> structure_mesh, item_mesh(design.meshes.size());
   const uint64_t total = design.structure.meshes.size() + design.meshes.size();
@@ -203,16 +211,18 @@ BuildingFigures measure(const Design& design, const FurnitureCatalogue& catalogu
   for (const Placement& placement : design.placements) {
     const Box& box = boxes[placement.item];
     for (int corner = 0; corner < 8; ++corner) {
-      const glm::dvec3 p((corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y, (corner & 4) != 0 ? box.max.z : box.min.z);
+      const glm::dvec3 p((corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
+                         (corner & 4) != 0 ? box.max.z : box.min.z);
       figures.box.add(glm::dvec3(placement.world_from_item * glm::dvec4(p, 1)));
     }
   }
   figures.unique_objects += design.structure.meshes.size();
   figures.objects = design.structure.parts.size() + design.placements.size();
   figures.classes = classes.size();
-  figures.rooms = static_cast<uint64_t>(std::count_if(design.plan.rooms.begin(), design.plan.rooms.end(), [](const Room& room) {
-    return room.kind != RoomKind::corridor && room.has_floor;
-  }));
+  figures.rooms =
+      static_cast<uint64_t>(std::count_if(design.plan.rooms.begin(), design.plan.rooms.end(), [](const Room& room) {
+        return room.kind != RoomKind::corridor && room.has_floor;
+      }));
   return figures;
 }
 

@@ -39,7 +39,7 @@ class Furnisher {
   }
   /// A small loose thing: there only as often as the density says.
   void loose(const char* kind, uint32_t variant, const glm::dmat4& at) {
-    if (random.unit() < density_) add(kind, variant, at);
+    if (random.unit() < 2 * density_ - 1) add(kind, variant, at);
   }
   uint32_t any(const char* kind) { return random.below(catalogue_.variants(kind)); }
   double density() const { return density_; }
@@ -65,27 +65,28 @@ void dress_desk(Furnisher& f, const glm::dmat4& desk, bool lamp) {
   f.add("keyboard", keys, on(-0.05, -0.16));
   f.add("mouse", keys, on(0.32, -0.17, f.random.between(-10, 10)));
   if (lamp) f.add("desk_lamp", f.any("desk_lamp"), on(-0.62, 0.22, 35));
-  f.loose("telephone", f.any("telephone"), on(0.62, 0.15, -20));
-  f.loose("mug", f.any("mug"), on(-0.45, -0.1, f.random.between(0, 360)));
-  f.loose("pencil_cup", f.any("pencil_cup"), on(0.42, 0.25));
-  f.loose("papers", f.any("papers"), on(-0.5, -0.22, f.random.between(-15, 15)));
-  f.loose("book_pile", f.any("book_pile"), on(0.62, -0.18, f.random.between(-20, 20)));
-  const int pencils = 1 + static_cast<int>(f.random.below(3));
-  for (int i = 0; i < pencils; ++i) f.loose("pencil", f.any("pencil"), on(0.42 - 0.02 * i, -0.3 + 0.03 * i, f.random.between(-40, 40)));
-  if (f.random.chance(0.25)) f.loose("desk_plant", f.any("desk_plant"), on(-0.68, -0.05));
+  if (f.random.chance(0.6)) f.loose("telephone", f.any("telephone"), on(0.62, 0.15, -20));
+  if (f.random.chance(0.3)) f.loose("mug", f.any("mug"), on(-0.45, -0.1, f.random.between(0, 360)));
+  if (f.random.chance(0.4)) f.loose("pencil_cup", f.any("pencil_cup"), on(0.42, 0.25));
+  if (f.random.chance(0.4)) f.loose("papers", f.any("papers"), on(-0.5, -0.22, f.random.between(-15, 15)));
+  if (f.random.chance(0.7)) f.loose("book_pile", f.any("book_pile"), on(0.62, -0.18, f.random.between(-20, 20)));
+  const int pencils = 1 + static_cast<int>(f.random.below(2));
+  for (int i = 0; i < pencils; ++i)
+    f.loose("pencil", f.any("pencil"), on(0.42 - 0.02 * i, -0.3 + 0.03 * i, f.random.between(-40, 40)));
+  if (f.random.chance(0.15)) f.loose("desk_plant", f.any("desk_plant"), on(-0.68, -0.05));
 }
 
 /// Fills a one-sided bookcase with runs of books, some boards with boxes or a plant.
 void fill_shelf(Furnisher& f, const glm::dmat4& shelf, double fullness) {
   for (uint32_t board = 0; board < kShelfBoards; ++board) {
     const double z = kShelfFirst_m + board * kShelfPitch_m;
-    for (const double x : {-0.21, 0.21}) {
-      if (f.random.chance(fullness))
-        f.loose("book_run", f.any("book_run"), shelf * moved({x, kSpineOneSided_m, z}));
-      else if (f.random.chance(0.3))
-        f.loose("papers", f.any("papers"), shelf * moved({x, -0.005, z}));
-      else if (f.random.chance(0.2))
-        f.loose("desk_plant", f.any("desk_plant"), shelf * moved({x, 0, z}));
+    if (f.random.chance(fullness)) {
+      f.loose("book_run", f.any("book_run"), shelf * moved({0, kSpineOneSided_m, z}));
+    } else if (f.random.chance(0.3)) {
+      f.loose("papers", f.any("papers"), shelf * moved({-0.21, -0.005, z}));
+    } else if (f.random.chance(0.5)) {
+      f.loose("book_pile", f.any("book_pile"), shelf * moved({-0.15, 0, z}));
+      if (f.random.chance(0.5)) f.loose("desk_plant", f.any("desk_plant"), shelf * moved({0.22, 0, z}));
     }
   }
 }
@@ -94,13 +95,16 @@ void fill_shelf(Furnisher& f, const glm::dmat4& shelf, double fullness) {
 void fill_stacks(Furnisher& f, const glm::dmat4& shelf, uint32_t book_variants) {
   for (const double side : {0.0, 180.0}) {
     for (uint32_t board = 0; board < kShelfBoards; ++board) {
-      const double end = kShelfInnerHalf_m * f.random.between(0.75, 1.0);
+      const double end = kShelfInnerHalf_m * f.random.between(0.45, 1.0);
       double x = -kShelfInnerHalf_m;
       while (true) {
         const uint32_t book = f.random.below(book_variants);
         const BookSize size = book_size(book);
         if (x + size.width_m > end) break;
-        f.loose("book", book, shelf * turned_z(side) * moved({x + size.width_m / 2, kSpineTwoSided_m + f.random.between(0, 0.02), kShelfFirst_m + board * kShelfPitch_m}));
+        f.loose("book", book,
+                shelf * turned_z(side) *
+                    moved({x + size.width_m / 2, kSpineTwoSided_m + f.random.between(0, 0.02),
+                           kShelfFirst_m + board * kShelfPitch_m}));
         x += size.width_m + f.random.between(0.001, 0.004);
       }
     }
@@ -113,7 +117,8 @@ struct RoomSize {
 
 /// Ceiling lights in a grid, cell by cell.
 void light_grid(Furnisher& f, const RoomSize& r, double height_m, double pitch_m, uint32_t variant) {
-  const int columns = std::max(1, static_cast<int>(std::lround(r.w / pitch_m))), rows = std::max(1, static_cast<int>(std::lround(r.d / pitch_m)));
+  const int columns = std::max(1, static_cast<int>(std::lround(r.w / pitch_m))),
+            rows = std::max(1, static_cast<int>(std::lround(r.d / pitch_m)));
   for (int i = 0; i < columns; ++i) {
     for (int k = 0; k < rows; ++k)
       f.put("ceiling_panel", variant, r.w * (i + 0.5) / columns, r.d * (k + 0.5) / rows, height_m, r.w < r.d ? 90 : 0);
@@ -128,37 +133,41 @@ void furnish_office(Furnisher& f, const RoomSize& r) {
   const glm::dmat4 desk = f.put("desk", wood, u, v, 0, turn);
   dress_desk(f, desk, true);
   const uint32_t chair = f.any("office_chair");
-  f.add("office_chair", chair, desk * moved({f.random.between(-0.15, 0.1), -0.68, 0}) * turned_z(180 + f.random.between(-25, 25)));
+  f.add("office_chair", chair,
+        desk * moved({f.random.between(-0.15, 0.1), -0.68, 0}) * turned_z(180 + f.random.between(-25, 25)));
   f.add("waste_bin", 2 * f.random.below(2), desk * moved({-0.95, 0.1, 0}));
-  f.add("tower", f.any("tower"), desk * moved({-0.5, 0.1, 0}));
+  if (f.random.chance(0.6)) f.add("tower", f.any("tower"), desk * moved({-0.5, 0.1, 0}));
   const uint32_t visitor = f.any("visitor_chair");
   if (facing_door) {
-    for (const double side : {-0.42, 0.42}) f.put("visitor_chair", visitor, u + side, v - 0.95, 0, kInward + f.random.between(-12, 12));
+    for (const double side : f.random.chance(0.3) ? std::vector<double>{-0.42, 0.42} : std::vector<double>{0.1})
+      f.put("visitor_chair", visitor, u + side, v - 0.95, 0, kInward + f.random.between(-12, 12));
   } else {
     f.put("visitor_chair", visitor, r.w - 1.55, v - 1.25, 0, kInward + f.random.between(-20, 20));
-    f.put("visitor_chair", visitor, 0.42, r.d - 2.1, 0, kToRight + f.random.between(-10, 10));
+    if (f.random.chance(0.4)) f.put("visitor_chair", visitor, 0.42, r.d - 2.1, 0, kToRight + f.random.between(-10, 10));
   }
-  const int shelves = 1 + static_cast<int>(f.random.below(2));
+  const int shelves = f.random.chance(0.25) ? 2 : 1;
   for (int i = 0; i < shelves; ++i)
-    fill_shelf(f, f.put("bookshelf", wood, r.w - 0.16, 0.85 + 0.92 * i, 0, kToLeft), 0.72);
+    fill_shelf(f, f.put("bookshelf", wood, r.w - 0.16, 0.85 + 0.92 * i, 0, kToLeft), 0.5);
   f.put("filing_cabinet", f.any("filing_cabinet"), r.w - 0.31, 1.1 + 0.92 * shelves, 0, kToLeft);
-  f.put("plant", f.any("plant"), 0.45, r.d - 0.5, 0, f.random.between(0, 360));
-  f.put("whiteboard", f.random.chance(0.5) ? 0 : 2, 0, 2.9, 1.5, kToRight);
-  if (f.random.chance(0.8)) f.put("picture", f.any("picture"), r.w, r.d - 1.6 + f.random.between(-0.2, 0.2), 1.65, kToLeft);
-  if (f.random.chance(0.6)) f.put("picture", f.any("picture"), r.w * 0.62, 0, 1.6, kInward);
-  f.put("coat_stand", 0, r.w - 0.5, 0.24);
+  if (f.random.chance(0.5)) f.put("plant", f.any("plant"), 0.45, r.d - 0.5, 0, f.random.between(0, 360));
+  if (f.random.chance(0.7)) f.put("whiteboard", f.random.chance(0.5) ? 0 : 2, 0, 2.9, 1.5, kToRight);
+  if (f.random.chance(0.6))
+    f.put("picture", f.any("picture"), r.w, r.d - 1.6 + f.random.between(-0.2, 0.2), 1.65, kToLeft);
+  if (f.random.chance(0.4)) f.put("picture", f.any("picture"), r.w * 0.62, 0, 1.6, kInward);
+  if (f.random.chance(0.3)) f.put("coat_stand", 0, r.w - 0.5, 0.24);
   if (f.random.chance(0.3)) f.put("floor_lamp", f.any("floor_lamp"), r.w - 0.35, r.d - 0.4);
-  f.put("radiator", 0, r.w / 2, r.d, 0, kToDoor);
+  if (f.random.chance(0.6)) f.put("radiator", 0, r.w / 2, r.d, 0, kToDoor);
 }
 
 void furnish_student_office(Furnisher& f, const RoomSize& r) {
-  const int pairs = std::clamp(static_cast<int>((r.w - 2.4) / 1.75), 1, 4);
+  const int pairs = std::clamp(static_cast<int>((r.w - 2.4) / 1.75), 1, 3);
   for (int i = 0; i < pairs; ++i) {
     const double u = r.w - 0.9 - 1.75 * i;
     for (const bool far : {true, false}) {
       const glm::dmat4 desk = f.put("desk", 4, u, far ? r.d - 0.55 : r.d - 1.42, 0, far ? kToDoor + 180 : kToDoor);
-      dress_desk(f, desk, f.random.chance(0.6));
-      f.add("task_chair", f.any("task_chair"), desk * moved({0, far ? -0.6 : -0.68, 0}) * turned_z(180 + f.random.between(-30, 30)));
+      dress_desk(f, desk, f.random.chance(0.12));
+      f.add("task_chair", f.any("task_chair"),
+            desk * moved({0, far ? -0.6 : -0.68, 0}) * turned_z(180 + f.random.between(-30, 30)));
     }
   }
   for (int i = 0; i < 2; ++i) fill_shelf(f, f.put("bookshelf", 1, r.w - 0.55 - 0.92 * i, 0.16, 0, kInward), 0.7);
@@ -170,17 +179,18 @@ void furnish_student_office(Furnisher& f, const RoomSize& r) {
 
 void furnish_laboratory(Furnisher& f, const RoomSize& r) {
   const uint32_t style = f.random.below(2);
-  const int rows = 3, columns = static_cast<int>((r.w - 2.6) / 1.5);
+  const int rows = 3, columns = static_cast<int>((r.w - 2.6) / 2.0);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      const glm::dmat4 desk = f.put("lab_bench", style, 2.6 + 1.5 * column, 2.2 + 2.0 * row);
+      const glm::dmat4 desk = f.put("lab_bench", style, 3.0 + 2.0 * column, 2.2 + 2.0 * row);
       const auto on = [&](double x, double y, double turn) { return desk * moved({x, y, 0.74}) * turned_z(turn); };
       f.add("monitor", f.any("monitor"), on(0, 0.15, f.random.between(-8, 8)));
       f.add("keyboard", style, on(-0.05, -0.18, 0));
       f.add("mouse", style, on(0.35, -0.18, 0));
       f.add("tower", style, desk * moved({0.55, 0.1, 0}));
       if (f.random.chance(0.3)) f.loose("papers", f.any("papers"), on(-0.5, -0.15, f.random.between(-20, 20)));
-      f.add("task_chair", style + f.random.below(2), desk * moved({f.random.between(-0.15, 0.15), -0.66, 0}) * turned_z(180 + f.random.between(-40, 40)));
+      f.add("task_chair", style + f.random.below(2),
+            desk * moved({f.random.between(-0.15, 0.15), -0.66, 0}) * turned_z(180 + f.random.between(-40, 40)));
     }
   }
   f.put("whiteboard", 1, r.w, 2.4, 1.5, kToLeft);
@@ -253,16 +263,24 @@ void furnish_conference(Furnisher& f, const RoomSize& r) {
     const double u = tables == 1 ? r.w * 0.55 : r.w * (0.34 + 0.36 * t), v = r.d * 0.54;
     const double turn = across ? 0 : 90;
     const glm::dmat4 table = f.put("conference_table", style, u, v, 0, turn);
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 3; ++i) {
       for (const double side : {-1.0, 1.0}) {
-        const glm::dmat4 at = table * moved({-1.35 + 0.9 * i, side * 1.08, 0}) * turned_z((side > 0 ? 0 : 180) + f.random.between(-14, 14));
+        const glm::dmat4 at = table * moved({-1.1 + 1.1 * i, side * 1.08, 0}) *
+                              turned_z((side > 0 ? 0 : 180) + f.random.between(-14, 14));
         f.add("conference_chair", chair, at);
-        if (f.random.chance(0.5)) f.loose("papers", 0, table * moved({-1.35 + 0.9 * i, side * 0.42, 0.74}) * turned_z(f.random.between(-15, 15)));
-        if (f.random.chance(0.4)) f.loose("mug", f.any("mug"), table * moved({-1.1 + 0.9 * i, side * 0.36, 0.74}) * turned_z(f.random.between(0, 360)));
-        if (f.random.chance(0.4)) f.loose("pencil", f.any("pencil"), table * moved({-1.3 + 0.9 * i, side * 0.25, 0.74}) * turned_z(f.random.between(-40, 40)));
+        if (f.random.chance(0.3))
+          f.loose("papers", 0,
+                  table * moved({-1.1 + 1.1 * i, side * 0.42, 0.74}) * turned_z(f.random.between(-15, 15)));
+        if (f.random.chance(0.3))
+          f.loose("mug", f.any("mug"),
+                  table * moved({-0.85 + 1.1 * i, side * 0.36, 0.74}) * turned_z(f.random.between(0, 360)));
+        if (f.random.chance(0.3))
+          f.loose("pencil", f.any("pencil"),
+                  table * moved({-1.1 + 1.1 * i, side * 0.25, 0.74}) * turned_z(f.random.between(-40, 40)));
       }
     }
-    for (const double end : {-1.0, 1.0}) f.add("conference_chair", chair, table * moved({end * 2.2, 0, 0}) * turned_z(end > 0 ? 90 : -90));
+    for (const double end : {-1.0, 1.0})
+      f.add("conference_chair", chair, table * moved({end * 2.2, 0, 0}) * turned_z(end > 0 ? 90 : -90));
     f.add("laptop", f.any("laptop"), table * moved({1.2, 0, 0.74}) * turned_z(90));
     f.put("projector", 0, u, v, kCeiling_m, kToRight);
   }
@@ -274,11 +292,12 @@ void furnish_conference(Furnisher& f, const RoomSize& r) {
 }
 
 void furnish_library(Furnisher& f, const RoomSize& r, uint32_t book_variants) {
-  constexpr int kRanges = 5, kBays = 3;
+  constexpr int kRanges = 4, kBays = 3;
   const double door = r.w / 2;
   for (int range = 0; range < kRanges; ++range) {
     for (int bay = 0; bay < kBays; ++bay) {
-      const glm::dmat4 shelf = f.put("library_shelf", 0, door + 5.2 + 2.1 * range, r.d - 0.95 - 0.92 * bay, 0, kToRight);
+      const glm::dmat4 shelf =
+          f.put("library_shelf", 0, door + 6.2 + 2.4 * range, r.d - 0.95 - 0.92 * bay, 0, kToRight);
       fill_stacks(f, shelf, book_variants);
     }
   }
@@ -287,8 +306,10 @@ void furnish_library(Furnisher& f, const RoomSize& r, uint32_t book_variants) {
     for (int k = 0; k < 2; ++k) {
       const glm::dmat4 table = f.put("reading_table", f.random.below(2), 2.2 + 3.6 * i, 1.7 + 2.7 * k);
       for (const double x : {-0.45, 0.45}) {
-        for (const double side : {-1.0, 1.0}) f.add("visitor_chair", 2, table * moved({x, side * 0.75, 0}) * turned_z(side > 0 ? 0 : 180));
-        f.loose("book_pile", f.any("book_pile"), table * moved({x, f.random.between(-0.3, 0.3), 0.74}) * turned_z(f.random.between(0, 90)));
+        for (const double side : {-1.0, 1.0})
+          f.add("visitor_chair", 2, table * moved({x, side * 0.75, 0}) * turned_z(side > 0 ? 0 : 180));
+        f.loose("book_pile", f.any("book_pile"),
+                table * moved({x, f.random.between(-0.3, 0.3), 0.74}) * turned_z(f.random.between(0, 90)));
       }
       f.add("desk_lamp", 1, table * moved({0, 0.1, 0.74}));
     }
@@ -320,10 +341,12 @@ void furnish_kitchenette(Furnisher& f, const RoomSize& r) {
   const glm::dmat4 unit = f.put("kitchen_unit", f.any("kitchen_unit"), r.w - 1.5, r.d, 0, kToDoor);
   f.add("coffee_machine", 0, unit * moved({0.2, -0.25, 0.91}));
   f.add("microwave", 0, unit * moved({0.75, -0.3, 0.91}));
-  for (int i = 0; i < 4; ++i) f.loose("mug", f.any("mug"), unit * moved({-0.05 - 0.1 * i, -0.12 - 0.05 * (i % 2), 0.91}));
+  for (int i = 0; i < 4; ++i)
+    f.loose("mug", f.any("mug"), unit * moved({-0.05 - 0.1 * i, -0.12 - 0.05 * (i % 2), 0.91}));
   f.put("fridge", 0, r.w - 0.4, 0.4, 0, kInward);
   const glm::dmat4 table = f.put("cafe_table", f.any("cafe_table"), r.w - 1.3, 1.45);
-  for (int i = 0; i < 3; ++i) f.add("stacking_chair", static_cast<uint32_t>(i), table * turned_z(120 * i + 30) * moved({0, 0.62, 0}));
+  for (int i = 0; i < 3; ++i)
+    f.add("stacking_chair", static_cast<uint32_t>(i), table * turned_z(120 * i + 30) * moved({0, 0.62, 0}));
   f.put("waste_bin", 1, 0.35, r.d - 1.2);
   f.put("notice_board", 0, r.w - 2, 0, 1.5, kInward);
 }
@@ -347,12 +370,15 @@ void furnish_lobby(Furnisher& f, const RoomSize& r) {
 
 void furnish_lounge(Furnisher& f, const RoomSize& r) {
   f.put("sofa", 1, r.w - 0.55, r.d * 0.5, 0, kToLeft);
-  f.put("armchair", 1, r.w - 1.9, r.d * 0.5 + 1.5, 0, kToDoor), f.put("armchair", 0, r.w - 1.9, r.d * 0.5 - 1.5, 0, kInward);
+  f.put("armchair", 1, r.w - 1.9, r.d * 0.5 + 1.5, 0, kToDoor),
+      f.put("armchair", 0, r.w - 1.9, r.d * 0.5 - 1.5, 0, kInward);
   f.put("coffee_table", f.any("coffee_table"), r.w - 1.9, r.d * 0.5);
   const int tables = std::max(1, static_cast<int>((r.w - 4.5) / 2.2));
   for (int i = 0; i < tables; ++i) {
     const glm::dmat4 table = f.put("cafe_table", 0, 1.4 + 2.1 * i, r.d - 1.4);
-    for (int k = 0; k < 4; ++k) f.add(i % 2 == 0 ? "stacking_chair" : "stool", static_cast<uint32_t>(i), table * turned_z(90 * k + 45) * moved({0, 0.66, 0}));
+    for (int k = 0; k < 4; ++k)
+      f.add(i % 2 == 0 ? "stacking_chair" : "stool", static_cast<uint32_t>(i),
+            table * turned_z(90 * k + 45) * moved({0, 0.66, 0}));
     f.loose("mug", f.any("mug"), table * moved({0.15, 0.1, 0.74}));
   }
   f.put("vending_machine", 0, r.w - 0.6, 0.45, 0, kInward), f.put("water_cooler", 0, r.w - 1.4, 0.25, 0, kInward);
@@ -362,23 +388,30 @@ void furnish_lounge(Furnisher& f, const RoomSize& r) {
 }
 
 void furnish_storage(Furnisher& f, const RoomSize& r) {
-  const int bays = static_cast<int>((r.d - 1.6) / 0.92);
+  const int bays = std::min(4, static_cast<int>((r.d - 1.6) / 0.92));
   for (int i = 0; i < bays; ++i) {
     const glm::dmat4 shelf = f.put("bookshelf", 1, r.w - 0.16, 1.4 + 0.92 * i, 0, kToLeft);
     for (uint32_t board = 0; board < kShelfBoards; ++board) {
       for (const double x : {-0.21, 0.21}) {
-        if (f.random.chance(0.6)) f.loose("cardboard_box", f.any("cardboard_box"), shelf * moved({x, -0.01, kShelfFirst_m + board * kShelfPitch_m}));
+        if (f.random.chance(0.28))
+          f.loose("cardboard_box", f.any("cardboard_box"),
+                  shelf * moved({x, -0.01, kShelfFirst_m + board * kShelfPitch_m}));
       }
     }
   }
-  for (int i = 0; i < 4; ++i) f.loose("cardboard_box", 0, f.put("cardboard_box", 1, 0.45 + 0.5 * (i % 2), r.d - 0.4 - 0.4 * (i / 2), 0, f.random.between(-10, 10)) * moved({0, 0, 0.27}));
+  for (int i = 0; i < 4; ++i)
+    f.loose("cardboard_box", 0,
+            f.put("cardboard_box", 1, 0.45 + 0.5 * (i % 2), r.d - 0.4 - 0.4 * (i / 2), 0, f.random.between(-10, 10)) *
+                moved({0, 0, 0.27}));
   if (r.w > 2.6) f.put("lockers", f.any("lockers"), 0.9, r.d - 1.5, 0, kToDoor);
 }
 
 void furnish_server_room(Furnisher& f, const RoomSize& r) {
   const int racks = static_cast<int>((r.w - 3.2) / 0.62);
   for (int row = 0; row < 3; ++row) {
-    for (int i = 0; i < racks; ++i) f.put("server_rack", static_cast<uint32_t>(row), 2.6 + 0.62 * i, 2.0 + 2.0 * row, 0, row % 2 == 0 ? kToDoor : kInward);
+    for (int i = 0; i < racks; ++i)
+      f.put("server_rack", static_cast<uint32_t>(row), 2.6 + 0.62 * i, 2.0 + 2.0 * row, 0,
+            row % 2 == 0 ? kToDoor : kInward);
   }
   f.put("extinguisher", 0, r.w, 1, 1.1, kToLeft);
 }
@@ -388,32 +421,50 @@ void furnish_corridor(Furnisher& f, const RoomSize& r) {
   const bool across = r.w > r.d;
   const double length = across ? r.w : r.d, width = across ? r.d : r.w;
   const auto at = [&](const char* kind, uint32_t variant, double along, double side, double w, double turn) {
-    return across ? f.put(kind, variant, along, side, w, turn) : f.put(kind, variant, width - side, along, w, turn + 90);
+    return across ? f.put(kind, variant, along, side, w, turn)
+                  : f.put(kind, variant, width - side, along, w, turn + 90);
   };
-  const int lights = static_cast<int>(length / 2.6);
-  for (int i = 0; i < lights; ++i) at("ceiling_panel", 0, length * (i + 0.5) / lights, width / 2, kCorridorCeiling_m, 0);
+  const int lights = static_cast<int>(length / 4.6);
+  for (int i = 0; i < lights; ++i)
+    at("ceiling_panel", 0, length * (i + 0.5) / lights, width / 2, kCorridorCeiling_m, 0);
   const int signs = std::max(1, static_cast<int>(length / 16));
-  for (int i = 0; i < signs; ++i) at("exit_sign", 0, length * (i + 0.35) / signs, width * 0.5 + 0.75, kCorridorCeiling_m, 90);
+  for (int i = 0; i < signs; ++i)
+    at("exit_sign", 0, length * (i + 0.35) / signs, width * 0.5 + 0.75, kCorridorCeiling_m, 90);
 }
 
 void furnish_room(Furnisher& f, const Room& room, const RoomSize& r, uint32_t book_variants) {
   switch (room.kind) {
-    case RoomKind::office: return furnish_office(f, r);
-    case RoomKind::student_office: return furnish_student_office(f, r);
-    case RoomKind::laboratory: return furnish_laboratory(f, r);
-    case RoomKind::class_room: return furnish_class_room(f, r);
-    case RoomKind::auditorium: return room.has_floor ? furnish_auditorium(f, r) : void();
-    case RoomKind::conference: return furnish_conference(f, r);
-    case RoomKind::library: return furnish_library(f, r, book_variants);
-    case RoomKind::toilet: return furnish_toilet(f, r);
-    case RoomKind::kitchenette: return furnish_kitchenette(f, r);
-    case RoomKind::lobby: return furnish_lobby(f, r);
-    case RoomKind::lounge: return furnish_lounge(f, r);
-    case RoomKind::storage: return furnish_storage(f, r);
-    case RoomKind::server_room: return furnish_server_room(f, r);
-    case RoomKind::corridor: return furnish_corridor(f, r);
+    case RoomKind::office:
+      return furnish_office(f, r);
+    case RoomKind::student_office:
+      return furnish_student_office(f, r);
+    case RoomKind::laboratory:
+      return furnish_laboratory(f, r);
+    case RoomKind::class_room:
+      return furnish_class_room(f, r);
+    case RoomKind::auditorium:
+      return room.has_floor ? furnish_auditorium(f, r) : void();
+    case RoomKind::conference:
+      return furnish_conference(f, r);
+    case RoomKind::library:
+      return furnish_library(f, r, book_variants);
+    case RoomKind::toilet:
+      return furnish_toilet(f, r);
+    case RoomKind::kitchenette:
+      return furnish_kitchenette(f, r);
+    case RoomKind::lobby:
+      return furnish_lobby(f, r);
+    case RoomKind::lounge:
+      return furnish_lounge(f, r);
+    case RoomKind::storage:
+      return furnish_storage(f, r);
+    case RoomKind::server_room:
+      return furnish_server_room(f, r);
+    case RoomKind::corridor:
+      return furnish_corridor(f, r);
     case RoomKind::stairwell:
-    case RoomKind::lift: return;
+    case RoomKind::lift:
+      return;
   }
 }
 
@@ -422,11 +473,14 @@ void light_room(Furnisher& f, const Room& room, const RoomSize& r) {
     case RoomKind::corridor:
     case RoomKind::auditorium:
     case RoomKind::stairwell:
-    case RoomKind::lift: return;
+    case RoomKind::lift:
+      return;
     case RoomKind::laboratory:
     case RoomKind::class_room:
-    case RoomKind::library: return light_grid(f, r, kCeiling_m, 2.5, 0);
-    default: return light_grid(f, r, kCeiling_m, 2.7, f.random.chance(0.5) ? 1 : 0);
+    case RoomKind::library:
+      return light_grid(f, r, kCeiling_m, 3.6, 0);
+    default:
+      return light_grid(f, r, kCeiling_m, 4.4, f.random.chance(0.5) ? 1 : 0);
   }
 }
 
@@ -444,7 +498,9 @@ void hang_door(Furnisher& f, const glm::dmat4& door, const Room& room, bool is_d
     f.add("door_leaf", leaf, at);
     f.add("door_handle", room.kind == RoomKind::office ? 0 : 1, at * moved({0.83, 0, 1.05}));
   }
-  if (!entrance) f.add("room_sign", room.kind == RoomKind::office ? 0 : 1, door * moved({is_double ? 1.25 : 0.78, -kWallHalf_m, 1.5}));
+  if (!entrance)
+    f.add("room_sign", room.kind == RoomKind::office ? 0 : 1,
+          door * moved({is_double ? 1.25 : 0.78, -kWallHalf_m, 1.5}));
 }
 
 void fit_openings(Furnisher& f, const BuildingPlan& plan, const Wall& wall) {
@@ -488,10 +544,12 @@ void dress_corridor_wall(Furnisher& f, const BuildingPlan& plan, const Wall& wal
     const double along = (edges[i] + edges[i + 1]) / 2;
     const auto at = [&](double shift, double z) {
       const double a = along + shift, across = wall.line + face;
-      return moved(wall.along_x ? dvec3(a, across, wall.floor * kStorey_m + z) : dvec3(across, a, wall.floor * kStorey_m + z)) * turned_z(turn);
+      return moved(wall.along_x ? dvec3(a, across, wall.floor * kStorey_m + z)
+                                : dvec3(across, a, wall.floor * kStorey_m + z)) *
+             turned_z(turn);
     };
     const uint32_t what = f.random.below(12);
-    if (what < 6) f.add("picture", f.any("picture"), at(0, 1.6));
+    if (what < 5) f.add("picture", f.any("picture"), at(0, 1.6));
     if (what == 6 && room > 1.8) f.add("notice_board", f.any("notice_board"), at(0, 1.5));
     if (what == 7) f.add("extinguisher", 0, at(0, 1.1));
     if (what == 8) f.add("waste_bin", 1, at(0, 0) * moved({0, -0.22, 0}));
@@ -505,8 +563,11 @@ void furnish_outside(Furnisher& f, const BuildingPlan& plan) {
   f.enter(glm::dmat4(1), 0, false, "outside");
   const double paving = -0.02, lawn = -0.1;
   for (int i = 0; i < 9; ++i) {
-    if (i != 4) f.put("tree", f.any("tree"), -6 + 9.2 * i + f.random.between(-1, 1), -10 + f.random.between(-1.5, 1.5), lawn, f.random.between(0, 360));
-    f.put("tree", f.any("tree"), -6 + 9.2 * i + f.random.between(-1.5, 1.5), kDepth_m + 10 + f.random.between(-2, 2), lawn, f.random.between(0, 360));
+    if (i != 4)
+      f.put("tree", f.any("tree"), -6 + 9.2 * i + f.random.between(-1, 1), -10 + f.random.between(-1.5, 1.5), lawn,
+            f.random.between(0, 360));
+    f.put("tree", f.any("tree"), -6 + 9.2 * i + f.random.between(-1.5, 1.5), kDepth_m + 10 + f.random.between(-2, 2),
+          lawn, f.random.between(0, 360));
   }
   for (int i = 0; i < 5; ++i) {
     f.put("tree", f.any("tree"), -11 + f.random.between(-2, 2), 8.0 * i, lawn);
@@ -520,12 +581,14 @@ void furnish_outside(Furnisher& f, const BuildingPlan& plan) {
   }
   for (int i = 0; i < 26; ++i) {
     const double x = 1.2 + 2.4 * i;
-    if (std::abs(x - kWidth_m / 2) > 4.5) f.put("shrub", f.any("shrub"), x, -1.6 + f.random.between(-0.2, 0.2), paving, f.random.between(0, 360));
+    if (std::abs(x - kWidth_m / 2) > 4.5)
+      f.put("shrub", f.any("shrub"), x, -1.6 + f.random.between(-0.2, 0.2), paving, f.random.between(0, 360));
   }
   for (int i = 0; i < 10; ++i) f.put("bicycle_stand", 0, 44 + 0.9 * i, -3.2, paving, 90);
   for (const double u : {-2.4, -0.9, 0.9, 2.4}) f.put("bollard", 0, kWidth_m / 2 + u * 1.05, -5.2, -0.1);
   const double roof = plan.floors * kStorey_m;
-  for (int i = 0; i < 4; ++i) f.put("air_handler", static_cast<uint32_t>(i), 9.0 + 13.5 * i, i % 2 == 0 ? 9 : 24, roof, i % 2 == 0 ? 0 : 90);
+  for (int i = 0; i < 4; ++i)
+    f.put("air_handler", static_cast<uint32_t>(i), 9.0 + 13.5 * i, i % 2 == 0 ? 9 : 24, roof, i % 2 == 0 ? 0 : 90);
   f.put("mast", 0, 46, 17, roof);
 }
 
@@ -540,8 +603,8 @@ void dress_facade(Furnisher& f, const BuildingPlan& plan) {
       f.add("pilaster", floor == 0 ? 0 : 1, moved({x, y, z}) * turned_z(turn) * stretch);
     };
     // The same axes on every storey, wherever its partitions are; between the windows of most.
-    for (int i = 0; i <= 9; ++i) {
-      const double x = 9.2 + (kWidth_m - 2 * 9.2) * i / 9;
+    for (int i = 0; i <= 8; ++i) {
+      const double x = 9.2 + (kWidth_m - 2 * 9.2) * i / 8;
       if (floor == 0 && std::abs(x - kWidth_m / 2) < 3) continue;
       pier(x, -kFacade_m, 0), pier(x, kDepth_m + kFacade_m, 180);
     }
@@ -555,12 +618,16 @@ std::vector<Placement> furnish_building(const BuildingPlan& plan, const Furnitur
   std::vector<Placement> placements;
   Furnisher f(catalogue, placements, seed * 0x2545f491ULL + 5, density);
   const uint32_t book_variants = catalogue.variants("book");
+  uint64_t number = 0;
   for (const Room& room : plan.rooms) {
     const RoomFrame frame = frame_of(room);
     const bool mirrored = room.door_width_m > 0 && frame.door_u > frame.width_m / 2;
     f.enter(frame.world_from_room, frame.width_m, mirrored, fmt::format("f{}_{}", room.floor + 1, room.name));
     const RoomSize size{frame.width_m, frame.depth_m};
-    furnish_room(f, room, size, book_variants);
+    // A stream of its own for each room: what one draws never moves the next one's furniture.
+    f.random = BuildingRandom(seed * 0x2545f491ULL + ++number);
+    const bool furnished = f.random.unit() < 2 * density;
+    if (furnished || room.kind == RoomKind::corridor) furnish_room(f, room, size, book_variants);
     light_room(f, room, size);
   }
   for (const Wall& wall : plan.walls) {

@@ -16,9 +16,10 @@ struct Placement {
   std::string name;
 };
 
-/// density in [0, 1]: which share of the small loose things (books, pencils, cups ...) is there. What a walk needs free
-/// stays free: corridors within 0.9 m of their middle, 1.3 m in front of every door, the lane along a room's
-/// left wall (seen from a door at the left). Pure; any thread.
+/// density in [0, 1]: from 1 down to 0.5 the small loose things (books, pencils, cups ...) go, from there to 0 room
+/// after room stays empty; doors, windows and lights stay. What a walk needs free stays free: corridors within 0.9 m of
+/// their middle, 1.3 m in front of every door, the lane along a room's left wall (seen from a door at the left). Pure;
+/// any thread.
 std::vector<Placement> furnish_building(const BuildingPlan& plan, const FurnitureCatalogue& catalogue, uint64_t seed,
                                         double density);
 

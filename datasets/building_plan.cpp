@@ -61,14 +61,16 @@ class Planner {
       const bool right = use.from < kTouch_m || (!last && random_.chance(0.5));
       double at = right ? high : low;
       if (use.kind == RoomKind::lobby || use.kind == RoomKind::library) at = (use.from + use.to) / 2;
-      if (use.kind == RoomKind::lounge) at = use.from < kTouch_m ? kRing1 - 1.3 : at;
+      if (use.kind == RoomKind::lounge) at = use.from < kTouch_m ? kRing1 - 1.3 : kEastRing1 + 1.3;
       room(use.kind, floor, {use.from, south ? 0 : kNorthRing0}, {use.to, south ? kRing0 : kDepth_m},
            south ? Side::north : Side::south, at);
     }
   }
 
   void ring(uint32_t floor) {
-    const auto corridor = [&](glm::dvec2 min, glm::dvec2 max) { room(RoomKind::corridor, floor, min, max, Side::south, 0); };
+    const auto corridor = [&](glm::dvec2 min, glm::dvec2 max) {
+      room(RoomKind::corridor, floor, min, max, Side::south, 0);
+    };
     corridor({kRing0, kRing0}, {kEastRing0, kRing1});
     corridor({kRing0, kNorthRing1}, {kEastRing0, kNorthRing0});
     corridor({kRing0, kRing1}, {kRing1, kNorthRing1});
@@ -80,9 +82,10 @@ class Planner {
     constexpr int kEach = 4;
     for (const bool west : {true, false}) {
       for (int i = 0; i < kEach; ++i) {
-        const double y0 = kRing0 + (kNorthRing0 - kRing0) * i / kEach, y1 = kRing0 + (kNorthRing0 - kRing0) * (i + 1) / kEach;
-        room(RoomKind::office, floor, {west ? 0 : kEastRing0, y0}, {west ? kRing0 : kWidth_m, y1}, west ? Side::east : Side::west,
-             random_.chance(0.5) ? y0 + 0.95 : y1 - 0.95);
+        const double y0 = kRing0 + (kNorthRing0 - kRing0) * i / kEach,
+                     y1 = kRing0 + (kNorthRing0 - kRing0) * (i + 1) / kEach;
+        room(RoomKind::office, floor, {west ? 0 : kEastRing0, y0}, {west ? kRing0 : kWidth_m, y1},
+             west ? Side::east : Side::west, random_.chance(0.5) ? y0 + 0.95 : y1 - 0.95);
       }
     }
   }
@@ -117,7 +120,8 @@ class Planner {
  private:
   void large_rooms(uint32_t floor, bool west, RoomKind south, RoomKind north, glm::dvec2 min, glm::dvec2 max) {
     if (south == RoomKind::auditorium) {
-      Room& hall = room(south, floor, min, max, floor == 0 ? Side::south : Side::north, min.x + (floor == 0 ? 1.3 : 0.9));
+      Room& hall =
+          room(south, floor, min, max, floor == 0 ? Side::south : Side::north, min.x + (floor == 0 ? 1.3 : 0.9));
       if (floor == 0) hall.has_ceiling = false;
       if (floor == 1) hall.has_floor = false, hall.door_width_m = kDoorWidth_m;
       return;
@@ -134,13 +138,17 @@ class Planner {
 
 void append_offices(std::vector<Use>& uses, double from, double to, int count) {
   for (int i = 0; i < count; ++i)
-    uses.push_back({RoomKind::office, from + (to - from) * i / count, i + 1 == count ? to : from + (to - from) * (i + 1) / count});
+    uses.push_back(
+        {RoomKind::office, from + (to - from) * i / count, i + 1 == count ? to : from + (to - from) * (i + 1) / count});
 }
 
 std::vector<Use> south_row(uint32_t floor) {
   if (floor == 0) {
-    return {{RoomKind::class_room, 0, 12}, {RoomKind::class_room, 12, 24}, {RoomKind::lobby, 24, 38},
-            {RoomKind::class_room, 38, 50}, {RoomKind::class_room, 50, kWidth_m}};
+    return {{RoomKind::class_room, 0, 12},
+            {RoomKind::class_room, 12, 24},
+            {RoomKind::lobby, 24, 38},
+            {RoomKind::class_room, 38, 50},
+            {RoomKind::class_room, 50, kWidth_m}};
   }
   std::vector<Use> uses{{RoomKind::conference, 0, kRing1}};
   if (floor == 1) {
@@ -148,7 +156,7 @@ std::vector<Use> south_row(uint32_t floor) {
     uses.push_back({RoomKind::library, 14, 48});
     uses.push_back({RoomKind::office, 48, kEastRing1});
   } else {
-    append_offices(uses, kRing1, kEastRing1, 9);
+    append_offices(uses, kRing1, kEastRing1, 8);
   }
   uses.push_back({RoomKind::student_office, kEastRing1, kWidth_m});
   return uses;
@@ -161,9 +169,9 @@ std::vector<Use> north_row(uint32_t floor) {
     append_offices(uses, 36, kEastRing1, 4);
   } else {
     uses = {{RoomKind::lounge, 0, kRing1}};
-    append_offices(uses, kRing1, kEastRing1, 9);
+    append_offices(uses, kRing1, kEastRing1, 8);
   }
-  uses.push_back({floor % 2 == 0 ? RoomKind::student_office : RoomKind::conference, kEastRing1, kWidth_m});
+  uses.push_back({floor % 2 == 0 ? RoomKind::student_office : RoomKind::lounge, kEastRing1, kWidth_m});
   return uses;
 }
 
@@ -172,10 +180,14 @@ std::array<RoomKind, 4> core_uses(uint32_t floor, uint32_t floors) {
   constexpr RoomKind kLab = RoomKind::laboratory, kHall = RoomKind::auditorium;
   if (floor < 2 && floors >= 2) return {kHall, kHall, kLab, kLab};
   switch (floor < 2 ? 2 : 2 + (floor - 2) % 5) {
-    case 4: return {RoomKind::conference, RoomKind::lounge, RoomKind::server_room, RoomKind::storage};
-    case 5: return {RoomKind::student_office, RoomKind::conference, RoomKind::lounge, RoomKind::student_office};
-    case 6: return {RoomKind::lounge, RoomKind::student_office, RoomKind::conference, RoomKind::storage};
-    default: return {kLab, kLab, kLab, kLab};
+    case 4:
+      return {RoomKind::conference, RoomKind::lounge, RoomKind::server_room, RoomKind::storage};
+    case 5:
+      return {RoomKind::student_office, RoomKind::conference, RoomKind::lounge, RoomKind::student_office};
+    case 6:
+      return {RoomKind::lounge, RoomKind::student_office, RoomKind::conference, RoomKind::storage};
+    default:
+      return {kLab, kLab, kLab, kLab};
   }
 }
 
@@ -243,7 +255,7 @@ void join_walls(std::span<Wall> walls) {
 
 void add_windows(Wall& wall, const Room& room) {
   const double length = wall.to - wall.from;
-  const auto count = static_cast<int>(std::floor((length - 0.6) / 2.2));
+  const auto count = static_cast<int>(std::floor((length - 0.5) / 2.35));
   // A lobby's middle is its entrance.
   for (int i = 0; i < count; ++i) {
     const double at = wall.from + length * (i + 0.5) / count;
@@ -279,16 +291,17 @@ void add_openings(BuildingPlan& plan) {
       if (outer && room.kind == RoomKind::lobby)
         wall.openings.push_back({OpeningKind::door, (wall.from + wall.to) / 2, kDoubleDoor_m, 0, kDoorHeight_m, id});
     }
-    std::sort(wall.openings.begin(), wall.openings.end(), [](const Opening& a, const Opening& b) { return a.at < b.at; });
+    std::sort(wall.openings.begin(), wall.openings.end(),
+              [](const Opening& a, const Opening& b) { return a.at < b.at; });
   }
 }
 
 }  // namespace
 
 const char* name_of(RoomKind kind) {
-  static constexpr const char* kNames[] = {"corridor",   "office",     "student_office", "laboratory", "class_room", "auditorium",
-                                           "conference", "library",    "toilet",         "kitchenette", "lobby",     "lounge",
-                                           "storage",    "server_room", "stairwell",     "lift"};
+  static constexpr const char* kNames[] = {
+      "corridor", "office",      "student_office", "laboratory", "class_room", "auditorium",  "conference", "library",
+      "toilet",   "kitchenette", "lobby",          "lounge",     "storage",    "server_room", "stairwell",  "lift"};
   return kNames[static_cast<size_t>(kind)];
 }
 
@@ -308,7 +321,8 @@ BuildingPlan plan_building(uint64_t seed, uint32_t floors) {
   size_t room = 0;
   for (uint32_t floor = 0; floor < floors; ++floor) {
     std::vector<uint32_t> rooms;
-    for (; room < plan.rooms.size() && plan.rooms[room].floor == floor; ++room) rooms.push_back(static_cast<uint32_t>(room));
+    for (; room < plan.rooms.size() && plan.rooms[room].floor == floor; ++room)
+      rooms.push_back(static_cast<uint32_t>(room));
     const size_t first = plan.walls.size();
     add_walls(plan, floor, rooms, true);
     add_walls(plan, floor, rooms, false);
@@ -326,10 +340,18 @@ RoomFrame frame_of(const Room& room) {
   frame.width_m = across_y ? max.x - min.x : max.y - min.y;
   frame.depth_m = across_y ? max.y - min.y : max.x - min.x;
   switch (room.door_side) {
-    case Side::south: frame.world_from_room = moved({min.x, min.y, z}), frame.door_u = room.door_at - min.x; break;
-    case Side::north: frame.world_from_room = moved({max.x, max.y, z}) * turned_z(180), frame.door_u = max.x - room.door_at; break;
-    case Side::west: frame.world_from_room = moved({min.x, max.y, z}) * turned_z(-90), frame.door_u = max.y - room.door_at; break;
-    case Side::east: frame.world_from_room = moved({max.x, min.y, z}) * turned_z(90), frame.door_u = room.door_at - min.y; break;
+    case Side::south:
+      frame.world_from_room = moved({min.x, min.y, z}), frame.door_u = room.door_at - min.x;
+      break;
+    case Side::north:
+      frame.world_from_room = moved({max.x, max.y, z}) * turned_z(180), frame.door_u = max.x - room.door_at;
+      break;
+    case Side::west:
+      frame.world_from_room = moved({min.x, max.y, z}) * turned_z(-90), frame.door_u = max.y - room.door_at;
+      break;
+    case Side::east:
+      frame.world_from_room = moved({max.x, min.y, z}) * turned_z(90), frame.door_u = room.door_at - min.y;
+      break;
   }
   return frame;
 }

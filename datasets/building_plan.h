@@ -10,14 +10,14 @@
 namespace promenade {
 
 // Metres. Heights are above a storey's floor.
-constexpr double kStorey_m = 3.8;           ///< from floor to floor
-constexpr double kSlab_m = 0.3;             ///< concrete between storeys
-constexpr double kFinish_m = 0.02;          ///< carpet or tiles on it
+constexpr double kStorey_m = 3.8;   ///< from floor to floor
+constexpr double kSlab_m = 0.3;     ///< concrete between storeys
+constexpr double kFinish_m = 0.02;  ///< carpet or tiles on it
 constexpr double kWallTop_m = kStorey_m - kSlab_m - kFinish_m;
-constexpr double kCeiling_m = 3.0;          ///< of rooms
+constexpr double kCeiling_m = 3.0;  ///< of rooms
 constexpr double kCorridorCeiling_m = 2.7;
-constexpr double kWallHalf_m = 0.1;         ///< inner walls: to both sides of their line; outer walls: inwards
-constexpr double kFacade_m = 0.3;           ///< outer walls reach so far out of their line
+constexpr double kWallHalf_m = 0.1;             ///< inner walls: to both sides of their line; outer walls: inwards
+constexpr double kFacade_m = 0.3;               ///< outer walls reach so far out of their line
 constexpr double kWidth_m = 62, kDepth_m = 34;  ///< between the lines of the outer walls: x, y
 constexpr double kDoorWidth_m = 1.0, kDoubleDoor_m = 1.9, kDoorHeight_m = 2.1;
 constexpr double kWindowWidth_m = 1.6, kWindowHeight_m = 1.8, kWindowSill_m = 0.85;
@@ -33,8 +33,22 @@ constexpr uint32_t kRows = 12;
 constexpr double kRowDepth_m = 0.95, kFrontRow_m = 3.0, kAisle_m = 1.3;
 
 enum class RoomKind : uint8_t {
-  corridor, office, student_office, laboratory, class_room, auditorium, conference, library, toilet, kitchenette, lobby,
-  lounge, storage, server_room, stairwell, lift
+  corridor,
+  office,
+  student_office,
+  laboratory,
+  class_room,
+  auditorium,
+  conference,
+  library,
+  toilet,
+  kitchenette,
+  lobby,
+  lounge,
+  storage,
+  server_room,
+  stairwell,
+  lift
 };
 const char* name_of(RoomKind kind);
 
@@ -50,7 +64,7 @@ struct Room {
   bool has_door = true;          ///< false: an open passage
   bool door_closed = false;
   bool has_floor = true, has_ceiling = true;  ///< not between the halves of a two-storey room
-  std::string name;              ///< "302"
+  std::string name;                           ///< "302"
 };
 
 enum class OpeningKind : uint8_t { passage, door, window, lift };
@@ -69,11 +83,11 @@ constexpr uint32_t kOutside = 0xffffffffU;
 struct Wall {
   uint32_t floor = 0;
   bool along_x = true;
-  double line = 0;                             ///< y if along_x, otherwise x
-  double from = 0, to = 0;                     ///< its solid's ends
+  double line = 0;                                      ///< y if along_x, otherwise x
+  double from = 0, to = 0;                              ///< its solid's ends
   double below_m = kWallHalf_m, above_m = kWallHalf_m;  ///< thickness towards smaller and larger coordinates
-  uint32_t low = kOutside, high = kOutside;    ///< rooms there
-  std::vector<Opening> openings;               ///< ascending, apart
+  uint32_t low = kOutside, high = kOutside;             ///< rooms there
+  std::vector<Opening> openings;                        ///< ascending, apart
 };
 
 struct BuildingPlan {

@@ -16,8 +16,9 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr glm::u8vec4 kPlaster = rgb(0xece6d9), kStone = rgb(0xcabfa9), kBrick = rgb(0xa9603f), kConcrete = rgb(0x9c9a95),
-                      kTiles = rgb(0xbdb7aa), kLawn = rgb(0x6f9152), kPaving = rgb(0xb3aca0), kRoofing = rgb(0x8d8f90);
+constexpr glm::u8vec4 kPlaster = rgb(0xece6d9), kStone = rgb(0xcabfa9), kBrick = rgb(0xa9603f),
+                      kConcrete = rgb(0x9c9a95), kTiles = rgb(0xbdb7aa), kLawn = rgb(0x6f9152), kPaving = rgb(0xb3aca0),
+                      kRoofing = rgb(0x8d8f90);
 
 glm::u8vec4 facade_of(uint32_t floor) { return floor == 0 ? kStone : kBrick; }
 
@@ -27,25 +28,39 @@ struct Finish {
 };
 
 Finish finish_of(const Room& room, uint64_t seed) {
-  static constexpr std::array<glm::u8vec4, 6> kPaints = {rgb(0xe9e1cf), rgb(0xdfe5dc), rgb(0xe8d9c8), rgb(0xd9e2e8), rgb(0xeee3c4), rgb(0xe6dbe0)};
-  static constexpr std::array<glm::u8vec4, 5> kCarpets = {rgb(0x6b7d8c), rgb(0x8a7a63), rgb(0x5f7a6b), rgb(0x86605a), rgb(0x77718a)};
-  BuildingRandom random(seed ^ (uint64_t{room.floor} << 40U) ^ static_cast<uint64_t>(room.min.x * 64 + 4096 * room.min.y * 64));
+  static constexpr std::array<glm::u8vec4, 6> kPaints = {rgb(0xe9e1cf), rgb(0xdfe5dc), rgb(0xe8d9c8),
+                                                         rgb(0xd9e2e8), rgb(0xeee3c4), rgb(0xe6dbe0)};
+  static constexpr std::array<glm::u8vec4, 5> kCarpets = {rgb(0x6b7d8c), rgb(0x8a7a63), rgb(0x5f7a6b), rgb(0x86605a),
+                                                          rgb(0x77718a)};
+  BuildingRandom random(seed ^ (uint64_t{room.floor} << 40U) ^
+                        static_cast<uint64_t>(room.min.x * 64 + 4096 * room.min.y * 64));
   const glm::u8vec4 paint = kPaints[random.below(kPaints.size())], carpet = kCarpets[random.below(kCarpets.size())];
   switch (room.kind) {
-    case RoomKind::corridor: return {kPlaster, room.floor == 0 ? kTiles : rgb(0x9a8f84)};
-    case RoomKind::lobby: return {rgb(0xe9dcc4), rgb(0xc9c0b0)};
-    case RoomKind::auditorium: return {rgb(0xc7a98a), rgb(0x6e3b40)};
-    case RoomKind::library: return {rgb(0xe7dcc6), rgb(0x5f6f5a)};
-    case RoomKind::toilet: return {rgb(0xcfe0e0), rgb(0x8fa3a5)};
-    case RoomKind::kitchenette: return {rgb(0xf0e4c0), rgb(0xb9a98f)};
-    case RoomKind::class_room: return {paint, rgb(0xb08d62)};
-    case RoomKind::lounge: return {paint, palette::kBeech};
-    case RoomKind::laboratory: return {rgb(0xe3e6e6), rgb(0x7d8a96)};
+    case RoomKind::corridor:
+      return {kPlaster, room.floor == 0 ? kTiles : rgb(0x9a8f84)};
+    case RoomKind::lobby:
+      return {rgb(0xe9dcc4), rgb(0xc9c0b0)};
+    case RoomKind::auditorium:
+      return {rgb(0xc7a98a), rgb(0x6e3b40)};
+    case RoomKind::library:
+      return {rgb(0xe7dcc6), rgb(0x5f6f5a)};
+    case RoomKind::toilet:
+      return {rgb(0xcfe0e0), rgb(0x8fa3a5)};
+    case RoomKind::kitchenette:
+      return {rgb(0xf0e4c0), rgb(0xb9a98f)};
+    case RoomKind::class_room:
+      return {paint, rgb(0xb08d62)};
+    case RoomKind::lounge:
+      return {paint, palette::kBeech};
+    case RoomKind::laboratory:
+      return {rgb(0xe3e6e6), rgb(0x7d8a96)};
     case RoomKind::server_room:
     case RoomKind::storage:
     case RoomKind::stairwell:
-    case RoomKind::lift: return {rgb(0xd9d6ce), rgb(0x9a9a98)};
-    default: return {paint, carpet};
+    case RoomKind::lift:
+      return {rgb(0xd9d6ce), rgb(0x9a9a98)};
+    default:
+      return {paint, carpet};
   }
 }
 
@@ -116,16 +131,21 @@ void Builder::room(const Room& room) {
   const double z = room.floor * kStorey_m;
   dvec2 min = room.min + kWallHalf_m, max = room.max - kWallHalf_m;
   // Where a corridor meets the next one there is no wall: north-south corridors reach to those across.
-  if (room.kind == RoomKind::corridor && max.y - min.y > max.x - min.x) min.y -= 2 * kWallHalf_m, max.y += 2 * kWallHalf_m;
+  if (room.kind == RoomKind::corridor && max.y - min.y > max.x - min.x)
+    min.y -= 2 * kWallHalf_m, max.y += 2 * kWallHalf_m;
   const bool shaft = room.kind == RoomKind::lift || room.kind == RoomKind::stairwell;
   if (room.has_floor && (!shaft || room.floor == 0))
-    box_part(fmt::format("f{}_{}_floor", room.floor + 1, room.name), "floor", finish.floor, {min, z - kFinish_m}, {max, z});
+    box_part(fmt::format("f{}_{}_floor", room.floor + 1, room.name), "floor", finish.floor, {min, z - kFinish_m},
+             {max, z});
   if (room.kind == RoomKind::stairwell && room.floor > 0)
     box_part(fmt::format("f{}_{}_floor", room.floor + 1, room.name), "floor", finish.floor, {min, z - kFinish_m},
              {max.x, min.y + kLanding_m, z});
   if (!room.has_ceiling || shaft) return;
-  const double height = room.kind == RoomKind::corridor ? kCorridorCeiling_m : room.kind == RoomKind::auditorium ? 3.35 : kCeiling_m;
-  box_part(fmt::format("f{}_{}_ceiling", room.floor + 1, room.name), "ceiling", rgb(0xf4f1ea), {min, z + height}, {max, z + height + 0.05});
+  const double height = room.kind == RoomKind::corridor     ? kCorridorCeiling_m
+                        : room.kind == RoomKind::auditorium ? 3.35
+                                                            : kCeiling_m;
+  box_part(fmt::format("f{}_{}_ceiling", room.floor + 1, room.name), "ceiling", rgb(0xf4f1ea), {min, z + height},
+           {max, z + height + 0.05});
 }
 
 void Builder::slab(uint32_t floor) {
@@ -148,24 +168,23 @@ void Builder::slab(uint32_t floor) {
 /// Stairs in the frame of the stairwell's inner south-west corner.
 void Builder::stairs() {
   const double run = kTreads * kTread_m, half = (kTreads + 1) * kRiser_m, y0 = kLanding_m, y1 = y0 + run;
-  std::vector<dvec2> up{{y0, 0}, {y0 + 0.4, 0}, {y1, kTreads * kRiser_m - 0.2}};
-  std::vector<dvec2> back{{y0, half + kTreads * kRiser_m - 0.2}, {y1 - 0.4, half - 0.18}, {y1, half - 0.18}};
-  for (uint32_t i = kTreads; i-- > 0;) {
-    up.emplace_back(y0 + (i + 1) * kTread_m, (i + 1) * kRiser_m);
-    up.emplace_back(y0 + i * kTread_m, (i + 1) * kRiser_m);
-  }
-  for (uint32_t i = 0; i < kTreads; ++i) {
-    back.emplace_back(y1 - i * kTread_m, half + (i + 1) * kRiser_m);
-    back.emplace_back(y1 - (i + 1) * kTread_m, half + (i + 1) * kRiser_m);
-  }
   double right = 0;
   for (const Room& room : plan_.rooms) {
     if (room.kind == RoomKind::stairwell) right = room.max.x - room.min.x - 2 * kWallHalf_m;
   }
-  const glm::dmat4 upright = turned_z(90) * turned_x(90);
-  sculptor_.stand(upright).paint(kConcrete);
-  sculptor_.extrude(up, {}, 0, kFlightWidth_m);
-  sculptor_.extrude(back, {}, right - kFlightWidth_m, right);
+  // A closed block a step, over a sloping underside.
+  sculptor_.stand(turned_z(90) * turned_x(90)).paint(kConcrete);
+  for (uint32_t i = 0; i < kTreads; ++i) {
+    const double near = i * kTread_m, far = (i + 1) * kTread_m, low = i * kRiser_m - 0.2, top = (i + 1) * kRiser_m;
+    const dvec2 up[] = {
+        {y0 + near, std::max(0.0, low)}, {y0 + far, std::max(0.0, low + kRiser_m)}, {y0 + far, top}, {y0 + near, top}};
+    sculptor_.extrude(up, {}, 0, kFlightWidth_m);
+    const dvec2 back[] = {{y1 - far, half + std::max(-0.18, low + kRiser_m)},
+                          {y1 - near, half + std::max(-0.18, low)},
+                          {y1 - near, half + top},
+                          {y1 - far, half + top}};
+    sculptor_.extrude(back, {}, right - kFlightWidth_m, right);
+  }
   sculptor_.stand().box({0, y1, half - 0.18}, {right, y1 + 1.5, half});
   const uint32_t mesh = keep();
   for (const Room& room : plan_.rooms) {
@@ -193,7 +212,18 @@ void Builder::auditorium() {
       sculptor_.box({0.001, y - 0.42, z}, {kAisle_m, y - 0.0001, z + rise / 2});
       sculptor_.box({size.x - kAisle_m, y - 0.42, z}, {size.x - 0.001, y - 0.0001, z + rise / 2});
     }
-    part(fmt::format("f{}_{}_rows", room.floor + 1, room.name), "stairs", keep(), moved({room.min + kWallHalf_m, room.floor * kStorey_m}));
+    const uint32_t rows = keep();
+    part(fmt::format("f{}_{}_rows", room.floor + 1, room.name), "stairs", rows,
+         moved({room.min + kWallHalf_m, room.floor * kStorey_m}));
+    // A wooden band covers the slab's edge between the two storeys' walls.
+    const std::vector<dvec2> outline{
+        {0.001, 0.001}, {size.x - 0.001, 0.001}, {size.x - 0.001, size.y - 0.001}, {0.001, size.y - 0.001}};
+    const std::vector<std::vector<dvec2>> inside{
+        {{0.03, 0.03}, {0.03, size.y - 0.03}, {size.x - 0.03, size.y - 0.03}, {size.x - 0.03, 0.03}}};
+    sculptor_.stand().paint(palette::kWalnut).extrude(outline, inside, kWallTop_m - 0.06, kStorey_m - 0.001);
+    const uint32_t band = keep();
+    part(fmt::format("f{}_{}_band", room.floor + 1, room.name), "ledge", band,
+         moved({room.min + kWallHalf_m, room.floor * kStorey_m}));
   }
 }
 
@@ -209,7 +239,8 @@ void Builder::roof() {
   box_part("coping_south", "ledge", kStone, {-out, -out, high}, {kWidth_m + out, in + 0.06, top});
   box_part("coping_north", "ledge", kStone, {-out, kDepth_m - in - 0.06, high}, {kWidth_m + out, kDepth_m + out, top});
   box_part("coping_west", "ledge", kStone, {-out, in + 0.06, high}, {in + 0.06, kDepth_m - in - 0.06, top});
-  box_part("coping_east", "ledge", kStone, {kWidth_m - in - 0.06, in + 0.06, high}, {kWidth_m + out, kDepth_m - in - 0.06, top});
+  box_part("coping_east", "ledge", kStone, {kWidth_m - in - 0.06, in + 0.06, high},
+           {kWidth_m + out, kDepth_m - in - 0.06, top});
   box_part("lift_house", "roof", kConcrete, {27.4, 9.1, z}, {29.9, 14.1, z + 1.8});
 }
 
@@ -220,9 +251,11 @@ void Builder::ledges() {
     const double a = kFacade_m, b = kFacade_m + reach;
     const glm::u8vec4 color = kStone;
     box_part(fmt::format("f{}_ledge_south", floor + 1), "ledge", color, {-b, -b, z}, {kWidth_m + b, -a, top});
-    box_part(fmt::format("f{}_ledge_north", floor + 1), "ledge", color, {-b, kDepth_m + a, z}, {kWidth_m + b, kDepth_m + b, top});
+    box_part(fmt::format("f{}_ledge_north", floor + 1), "ledge", color, {-b, kDepth_m + a, z},
+             {kWidth_m + b, kDepth_m + b, top});
     box_part(fmt::format("f{}_ledge_west", floor + 1), "ledge", color, {-b, -a, z}, {-a, kDepth_m + a, top});
-    box_part(fmt::format("f{}_ledge_east", floor + 1), "ledge", color, {kWidth_m + a, -a, z}, {kWidth_m + b, kDepth_m + a, top});
+    box_part(fmt::format("f{}_ledge_east", floor + 1), "ledge", color, {kWidth_m + a, -a, z},
+             {kWidth_m + b, kDepth_m + a, top});
   }
 }
 
@@ -233,11 +266,14 @@ void Builder::ground() {
   box_part("paving_south", "ground", kPaving, {-e, -e, -0.3}, {kWidth_m + e, -kFacade_m, -0.02});
   box_part("paving_north", "ground", kPaving, {-e, kDepth_m + kFacade_m, -0.3}, {kWidth_m + e, kDepth_m + e, -0.02});
   box_part("paving_west", "ground", kPaving, {-e, -kFacade_m, -0.3}, {-kFacade_m, kDepth_m + kFacade_m, -0.02});
-  box_part("paving_east", "ground", kPaving, {kWidth_m + kFacade_m, -kFacade_m, -0.3}, {kWidth_m + e, kDepth_m + kFacade_m, -0.02});
-  box_part("entrance_path", "ground", shaded(kPaving, 0.1), {kWidth_m / 2 - 3, -52, -0.3}, {kWidth_m / 2 + 3, -e, -0.03});
+  box_part("paving_east", "ground", kPaving, {kWidth_m + kFacade_m, -kFacade_m, -0.3},
+           {kWidth_m + e, kDepth_m + kFacade_m, -0.02});
+  box_part("entrance_path", "ground", shaded(kPaving, 0.1), {kWidth_m / 2 - 3, -52, -0.3},
+           {kWidth_m / 2 + 3, -e, -0.03});
   box_part("canopy", "roof", kStone, {kWidth_m / 2 - 3, -3, 2.75}, {kWidth_m / 2 + 3, -kFacade_m, 2.95});
   for (const double x : {kWidth_m / 2 - 2.7, kWidth_m / 2 + 2.5})
-    box_part(fmt::format("canopy_post_{}", x < kWidth_m / 2 ? 0 : 1), "roof", kStone, {x, -2.9, -0.02}, {x + 0.2, -2.7, 2.75});
+    box_part(fmt::format("canopy_post_{}", x < kWidth_m / 2 ? 0 : 1), "roof", kStone, {x, -2.9, -0.02},
+             {x + 0.2, -2.7, 2.75});
 }
 
 }  // namespace

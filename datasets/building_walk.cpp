@@ -119,7 +119,8 @@ class Walker {
     const double head = foot + kRows * kRowDepth_m;
     to(hall->door_at, kRing_m), to(hall->door_at, low.y + 0.6);
     look(35);
-    to(hall->door_at, low.y + 0.6), to(low.x + below.door_u * 0.7, low.y + 1.6), to(aisle, foot - 0.3), to(aisle, foot), to(aisle, head, kStorey_m);
+    to(hall->door_at, low.y + 0.6), to(low.x + below.door_u * 0.7, low.y + 1.6), to(aisle, foot - 0.3), to(aisle, foot),
+        to(aisle, head, kStorey_m);
     to(aisle, head + 0.5, kStorey_m);
     look(-150);
     enter_floor(1);

@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 constexpr uint64_t kFewestTriangles = 1000, kMostTriangles = 4'000'000'000;
 constexpr uint64_t kMostBlocks = 4'000'000;
 constexpr double kBytesPerUniqueTriangle = 24;  // measured: 22 to 30
-constexpr uint32_t kLargestTexture_px = 8192;
+constexpr uint32_t kLargestTexturePx = 8192;
 constexpr int kJpegQuality = 85;
 
 struct Limit {
@@ -160,8 +160,7 @@ Status CityWriter::paint(const UniqueObject& object, EncodedFacade& facade) cons
   const FacadeSketch& sketch = *object.facade;
   const double density = std::sqrt(budget_.options.texture_megapixels * 1e6 / std::max(budget_.facade_m2, 1.0));
   const auto side = [&](double meters) {
-    return static_cast<uint32_t>(
-        std::clamp(std::round(meters * density), 8.0, static_cast<double>(kLargestTexture_px)));
+    return static_cast<uint32_t>(std::clamp(std::round(meters * density), 8.0, static_cast<double>(kLargestTexturePx)));
   };
   const Image image = paint_facade(sketch, side(sketch.around_m), side(sketch.height_m), sketch.seed);
   Result<std::vector<std::byte>> jpeg = encode_image(image, ImageFormat::jpeg, kJpegQuality);

@@ -65,7 +65,7 @@ class BlockMaker {
   void add_fountain(const PlanRect& rect, Random random);
   void add_ground(Color inner);
   void add_prop(PropClass prop, uint32_t variant, const glm::dvec2& at, double yaw_rad, double scale = 1);
-  int level(Random& random) const;
+  int level(PropClass prop, Random& random) const;
 
   const CityPlan& plan_;
   uint32_t x_, y_;
@@ -90,15 +90,18 @@ void BlockMaker::add(Shape& shape, std::string_view class_name, const glm::dvec3
   result_.objects.push_back(std::move(object));
 }
 
-int BlockMaker::level(Random& random) const {
-  const double d = options_.detail;
-  return std::clamp(static_cast<int>(std::floor(d < 1 ? d + random.unit() - 0.25 : 1 + (d - 4) / 1.5 + random.unit())),
-                    0, kPropLevels - 1);
+int BlockMaker::level(PropClass prop, Random& random) const {
+  const double d = options_.detail, dice = random.unit();
+  // Cars and furniture are fine enough at their lowest level for most cities, trees are not.
+  double level = prop == PropClass::car ? (d - 5) / 1.3 : (d - 4) / 1.5;
+  if (prop == PropClass::tree || prop == PropClass::bush) level = d < 1 ? d - 0.25 : std::max(1.0, 1 + (d - 5.5) / 1.5);
+  const double blended = level == 1 ? 1 : level + dice;
+  return std::clamp(static_cast<int>(std::floor(blended)), 0, kPropLevels - 1);
 }
 
 void BlockMaker::add_prop(PropClass prop, uint32_t variant, const glm::dvec2& at, double yaw_rad, double scale) {
   Random random(plan_.options().seed, {0x9409, x_, y_, result_.props.size()});
-  const PropKind kind{prop, variant, level(random)};
+  const PropKind kind{prop, variant, level(prop, random)};
   result_.triangles += props_.mesh(kind).triangle_count();
   const double z = prop == PropClass::car ? plan_.options().street_height_m : z_;
   result_.props.push_back({kind, {at, z}, yaw_rad, scale});

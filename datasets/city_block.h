@@ -47,6 +47,6 @@ CityBlock make_block(const CityPlan& plan, uint32_t x, uint32_t y, const BlockOp
 /// How far from the kerb a walker on the pavement keeps, metres into the block.
 double walking_line_m(const CityOptions& options);
 /// Parked cars keep so far from a block's corners, metres.
-constexpr double kClearCorner_m = 9;
+constexpr double kClearCornerM = 9;
 
 }  // namespace promenade

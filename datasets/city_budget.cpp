@@ -45,15 +45,16 @@ CityBudget count(const CityOptions& options, double detail, PropLibrary& props) 
 CityOptions with_blocks(CityOptions options, PropLibrary& props) {
   if (options.blocks_x > 0 && options.blocks_y > 0) return options;
   CityOptions trial = options;
-  trial.blocks_x = trial.blocks_y = 7;
-  const double per_block = count(trial, kUsualDetail, props).triangles / 49;
+  trial.blocks_x = trial.blocks_y = 16;
+  const double per_block = count(trial, kUsualDetail, props).triangles / 256;
   const double blocks = std::max(1.0, static_cast<double>(options.triangles) / per_block);
   const double length = options.block_length_m + options.street_width_m,
                width = options.block_width_m + options.street_width_m;
   const auto whole = [](double value) { return static_cast<uint32_t>(std::clamp(std::round(value), 1.0, 1e6)); };
-  if (options.blocks_x == 0 && options.blocks_y == 0) options.blocks_y = whole(std::sqrt(blocks * length / width));
+  if (options.blocks_x == 0 && options.blocks_y == 0)
+    options.blocks_y = whole(std::ceil(std::sqrt(blocks * length / width) - 0.3));
   if (options.blocks_x == 0)
-    options.blocks_x = whole(blocks / options.blocks_y);
+    options.blocks_x = whole(std::ceil(blocks / options.blocks_y - 0.3));
   else if (options.blocks_y == 0)
     options.blocks_y = whole(blocks / options.blocks_x);
   return options;

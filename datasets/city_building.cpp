@@ -170,13 +170,13 @@ void HouseBuilder::build() {
   const Character character =
       plan_.cylindrical && plan_.height_m > 12 ? Character::glass_tower : character_of(plan_, random.fork(2));
   style_ = style_of(plan_.cylindrical && random.chance(0.5) ? Character::office : character, random.fork(4));
-  const double blended = options_.detail + random.unit() - 0.5;
+  const double blended = options_.detail * 1.2 + random.unit();
   tier_ = std::clamp(static_cast<int>(std::floor(blended)), 0, kMaxTier);
   see_through_ =
       !options_.textured && !options_.interiors && character == Character::glass_tower && random.chance(0.12);
   dividers_ = random.chance(character == Character::glass_tower ? 0.35 : 0.5);
-  const RoofKind roof = choose_roof(plan_.footprint.size(), plan_.cylindrical, plan_.height_m,
-                                    character == Character::house, random.fork(5));
+  const RoofKind roof =
+      choose_roof(plan_.footprint, plan_.cylindrical, plan_.height_m, character == Character::house, random.fork(5));
   const float roof_m = roof_height_m(roof, plan_.footprint, plan_.height_m);
   const float walls_top =
       std::max(snapped(plan_.height_m - roof_m - style_.floor_m * 0.4F, true), style_.ground_floor_m);

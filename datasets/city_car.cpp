@@ -77,7 +77,7 @@ std::vector<glm::vec2> section_at(const CarForm& f, float x, int side_rows, int 
   }
   for (int k = 1; k <= roof_rows; ++k) {
     const float t = static_cast<float>(k) / static_cast<float>(roof_rows);
-    const float from = points[static_cast<size_t>(side_rows + cabin_rows)].y;
+    const float from = points[static_cast<size_t>(side_rows) + static_cast<size_t>(cabin_rows)].y;
     points.emplace_back(roof_half * std::cos(t * 1.5708F), from + (top + 0.02F - from) * std::sin(t * 1.5708F));
   }
   return points;
@@ -103,7 +103,7 @@ Color body_color(const CarForm& f, const Color& paint, float x, int row, const B
 }
 
 void body(SmoothShape& shape, const CarForm& f, const Color& paint, int stations, const BodyRows& rows) {
-  const auto columns = static_cast<size_t>(2 * rows.half() + 1);
+  const auto columns = 2 * static_cast<size_t>(rows.half()) + 1;
   std::vector<glm::vec3> points;
   std::vector<float> xs;
   for (int s = 0; s <= stations; ++s) {
@@ -208,12 +208,12 @@ Mesh make_car(uint32_t variant, int level) {
   const CarForm& form = kForms[model < 2 ? 0 : model < 4 ? 1 : model < 6 ? 2 : 3];
   const Color paint = kPaints[(variant * 5 + 1) % kPaints.size()];
   SmoothShape shape;
-  // Level 0 to 3: about 0.9, 2.4, 9 and 36 thousand triangles.
+  // Level 0 to 3: about 2, 3, 9 and 28 thousand triangles.
   const int fine = 1 << std::max(0, level - 1);
-  const BodyRows rows = level == 0 ? BodyRows{3, 2, 2} : BodyRows{5 * fine, 3 * fine, 3 * fine};
-  body(shape, form, paint, level == 0 ? 16 : 28 * fine, rows);
+  const BodyRows rows = level == 0 ? BodyRows{3, 3, 2} : BodyRows{5 * fine, 3 * fine, 3 * fine};
+  body(shape, form, paint, level == 0 ? 20 : 28 * fine, rows);
   for (const float x : {form.wheel_front, form.wheel_rear})
-    for (const bool left : {false, true}) wheel(shape, form, x, left, level == 0 ? 8 : 14 * fine);
+    for (const bool left : {false, true}) wheel(shape, form, x, left, level == 0 ? 10 : 14 * fine);
   fittings(shape, form, paint, level == 0 ? 3 : 4 * fine);
   return shape.take();
 }

@@ -10,7 +10,7 @@
 namespace promenade {
 namespace {
 
-constexpr float kBelowGround_m = 0.3F;  // walls reach below the pavement, so that no gap shows under them
+constexpr float kBelowGroundM = 0.3F;  // walls reach below the pavement, so that no gap shows under them
 
 /// A hole in a wall, in the wall's frame.
 struct Opening {
@@ -91,14 +91,14 @@ void WallBuilder::build() {
     const float z1 = f + 1 == floors_ ? wall_.top_m : wall_.bottom_m + first + rest * static_cast<float>(f);
     wall_paint(f);
     if (bare)
-      plain(0, length_, f == 0 && wall_.ground ? z0 - kBelowGround_m : z0, z1);
+      plain(0, length_, f == 0 && wall_.ground ? z0 - kBelowGroundM : z0, z1);
     else
       build_floor(f, z0, z1);
   }
 }
 
 void WallBuilder::build_floor(int floor, float z0, float z1) {
-  if (floor == 0 && wall_.ground) plain(0, length_, z0 - kBelowGround_m, z0);
+  if (floor == 0 && wall_.ground) plain(0, length_, z0 - kBelowGroundM, z0);
   for (int bay = 0; bay < bays_; ++bay) {
     const float x0 = length_ * static_cast<float>(bay) / static_cast<float>(bays_);
     const float x1 = bay + 1 == bays_ ? length_ : length_ * static_cast<float>(bay + 1) / static_cast<float>(bays_);
@@ -118,7 +118,7 @@ void WallBuilder::build_rooms(int floor, float z0, float z1) {
       ++bay;
       continue;
     }
-    Random random = random_.fork(0x700000 + static_cast<uint64_t>(floor * 512 + bay));
+    Random random = random_.fork(0x700000 + static_cast<uint64_t>(floor) * 512 + static_cast<uint64_t>(bay));
     int end = bay + 1;
     const int wish = bay + random.between(1, 3);
     while (end < wish && end < bays_ && has_room({bay_start(end), bay_start(end + 1), z0, z1, end, floor})) ++end;
@@ -227,7 +227,7 @@ void WallBuilder::bars(const Opening& o, float recess_m, int across, int up) {
 
 void WallBuilder::window(const Cell& cell) {
   const Opening o = window_of(cell);
-  Random random = random_.fork(static_cast<uint64_t>(cell.floor * 512 + cell.bay));
+  Random random = random_.fork(static_cast<uint64_t>(cell.floor) * 512 + static_cast<uint64_t>(cell.bay));
   const float recess = style_.recess_m;
   hole(cell, o, recess);
   pane(o, recess, random.fork(1));

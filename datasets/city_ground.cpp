@@ -16,7 +16,7 @@ constexpr Color kMarking = rgb(214, 212, 204);
 constexpr Color kKerb = rgb(176, 172, 164);
 constexpr Color kPavement = rgb(158, 152, 144);
 constexpr Color kGrass = rgb(104, 136, 68);
-constexpr float kMarkingHeight_m = 0.02F;
+constexpr float kMarkingHeightM = 0.02F;
 constexpr int kArc = 4;  // segments around a block's corner
 
 /// A rounded rectangle of the plan, side by side: each from the middle of one corner's arc to the middle of the next.
@@ -70,6 +70,7 @@ class GroundBuilder {
   glm::vec3 at(const glm::dvec2& world, float z) const { return {frame_.local(world), z}; }
   std::vector<glm::vec3> lifted(const std::vector<glm::dvec2>& plan_points, float z) const {
     std::vector<glm::vec3> points;
+    points.reserve(plan_points.size());
     for (const glm::dvec2& p : plan_points) points.push_back(at(plan_.world(p), z));
     return points;
   }
@@ -158,7 +159,7 @@ void GroundBuilder::pavement(Color inner_color) {
 }
 
 void GroundBuilder::mark(const glm::dvec2& low, const glm::dvec2& high) {
-  const float z = street_z() + kMarkingHeight_m;
+  const float z = street_z() + kMarkingHeightM;
   shape_.face(at(plan_.world(low), z), at(plan_.world({high.x, low.y}), z), at(plan_.world(high), z),
               at(plan_.world({low.x, high.y}), z));
 }
@@ -167,29 +168,29 @@ void GroundBuilder::mark(const glm::dvec2& low, const glm::dvec2& high) {
 void GroundBuilder::markings() {
   if (options_.street_width_m < 6) return;
   shape_.color(kMarking);
-  constexpr double kDash_m = 3, kPeriod_m = 9, kHalf_m = 0.07;
+  constexpr double kDashM = 3, kPeriodM = 9, kHalfM = 0.07;
   const double clear = options_.street_width_m / 2 + 7;
-  const auto first = [&](double low) { return std::ceil((low + clear) / kPeriod_m) * kPeriod_m; };
-  for (double u = first(cell_.low.x); u + kDash_m < cell_.high.x - clear; u += kPeriod_m) {
-    if (y_ > 0) mark({u, cell_.low.y}, {u + kDash_m, cell_.low.y + kHalf_m});
-    if (y_ + 1 < plan_.blocks_y()) mark({u, cell_.high.y - kHalf_m}, {u + kDash_m, cell_.high.y});
+  const auto first = [&](double low) { return std::ceil((low + clear) / kPeriodM) * kPeriodM; };
+  for (double u = first(cell_.low.x); u + kDashM < cell_.high.x - clear; u += kPeriodM) {
+    if (y_ > 0) mark({u, cell_.low.y}, {u + kDashM, cell_.low.y + kHalfM});
+    if (y_ + 1 < plan_.blocks_y()) mark({u, cell_.high.y - kHalfM}, {u + kDashM, cell_.high.y});
   }
-  for (double v = first(cell_.low.y); v + kDash_m < cell_.high.y - clear; v += kPeriod_m) {
-    if (x_ > 0) mark({cell_.low.x, v}, {cell_.low.x + kHalf_m, v + kDash_m});
-    if (x_ + 1 < plan_.blocks_x()) mark({cell_.high.x - kHalf_m, v}, {cell_.high.x, v + kDash_m});
+  for (double v = first(cell_.low.y); v + kDashM < cell_.high.y - clear; v += kPeriodM) {
+    if (x_ > 0) mark({cell_.low.x, v}, {cell_.low.x + kHalfM, v + kDashM});
+    if (x_ + 1 < plan_.blocks_x()) mark({cell_.high.x - kHalfM, v}, {cell_.high.x, v + kDashM});
   }
   // Crossings lead from pavement to pavement: stripes along the way of the cars, side by side across the street.
-  constexpr double kNear_m = 1.0, kLong_m = 2.8, kStripe_m = 0.5;
+  constexpr double kNearM = 1.0, kLongM = 2.8, kStripeM = 0.5;
   const double half = options_.street_width_m / 2;
-  for (double w = 0.25; w + kStripe_m < half; w += 2 * kStripe_m)
+  for (double w = 0.25; w + kStripeM < half; w += 2 * kStripeM)
     for (const bool far : {false, true}) {
-      const double v = far ? block_.high.y - kNear_m - kLong_m : block_.low.y + kNear_m;
-      const double u = far ? block_.high.x - kNear_m - kLong_m : block_.low.x + kNear_m;
-      if (x_ > 0) mark({cell_.low.x + w, v}, {cell_.low.x + w + kStripe_m, v + kLong_m});
-      if (x_ + 1 < plan_.blocks_x()) mark({cell_.high.x - w - kStripe_m, v}, {cell_.high.x - w, v + kLong_m});
+      const double v = far ? block_.high.y - kNearM - kLongM : block_.low.y + kNearM;
+      const double u = far ? block_.high.x - kNearM - kLongM : block_.low.x + kNearM;
+      if (x_ > 0) mark({cell_.low.x + w, v}, {cell_.low.x + w + kStripeM, v + kLongM});
+      if (x_ + 1 < plan_.blocks_x()) mark({cell_.high.x - w - kStripeM, v}, {cell_.high.x - w, v + kLongM});
       if (options_.style == StreetStyle::organic) continue;  // pavements do not face each other across the long streets
-      if (y_ > 0) mark({u, cell_.low.y + w}, {u + kLong_m, cell_.low.y + w + kStripe_m});
-      if (y_ + 1 < plan_.blocks_y()) mark({u, cell_.high.y - w - kStripe_m}, {u + kLong_m, cell_.high.y - w});
+      if (y_ > 0) mark({u, cell_.low.y + w}, {u + kLongM, cell_.low.y + w + kStripeM});
+      if (y_ + 1 < plan_.blocks_y()) mark({u, cell_.high.y - w - kStripeM}, {u + kLongM, cell_.high.y - w});
     }
 }
 

@@ -11,11 +11,11 @@
 namespace promenade {
 namespace {
 
-constexpr double kParkingSlot_m = 6.2;
-constexpr double kLongestCar_m = 5.4;
-constexpr double kFromKerb_m = 1.3;     // a parked car's middle
-constexpr double kFurniture_m = 0.65;   // from the kerb to the middle of lamps and trees: clear of the walking line
-constexpr double kLeastPavement_m = 2;  // narrower ones stay empty
+constexpr double kParkingSlotM = 6.2;
+constexpr double kLongestCarM = 5.4;
+constexpr double kFromKerbM = 1.3;     // a parked car's middle
+constexpr double kFurnitureM = 0.65;   // from the kerb to the middle of lamps and trees: clear of the walking line
+constexpr double kLeastPavementM = 2;  // narrower ones stay empty
 
 /// One side of a block: a line in the plan along its kerb.
 class KerbSide {
@@ -62,7 +62,7 @@ class KerbSide {
 };
 
 void KerbSide::corner() {
-  if (plan_.options().curb_width_m < kLeastPavement_m || length_m_ < 24) return;
+  if (plan_.options().curb_width_m < kLeastPavementM || length_m_ < 24) return;
   if (plan_.options().street_width_m >= 10 && detail_ > 0.7 && take(4.8, 0.4))
     put(PropClass::traffic_light, 0, 4.8, 0.45);
   if (random_.chance(0.35) && take(length_m_ - 5, 0.4))
@@ -71,25 +71,24 @@ void KerbSide::corner() {
 
 void KerbSide::trees() {
   const double apart = plan_.options().tree_distance_m;
-  if (plan_.options().curb_width_m < kLeastPavement_m) return;
+  if (plan_.options().curb_width_m < kLeastPavementM) return;
   const uint32_t kind = random_.below(variants_of(PropClass::tree));
   for (double s = 6 + std::min(apart / 2, 6.0); s < length_m_ - 6; s += apart) {
     // A street's trees are of one kind, mostly.
     const uint32_t variant = random_.chance(0.8) ? kind : random_.below(variants_of(PropClass::tree));
-    if (take(s, 0.6))
-      put(PropClass::tree, variant, s, kFurniture_m, random_.range(0.0, 6.28), random_.range(0.85, 1.1));
+    if (take(s, 0.6)) put(PropClass::tree, variant, s, kFurnitureM, random_.range(0.0, 6.28), random_.range(0.85, 1.1));
   }
 }
 
 void KerbSide::furniture() {
-  if (plan_.options().curb_width_m < kLeastPavement_m) return;
+  if (plan_.options().curb_width_m < kLeastPavementM) return;
   const uint32_t lamp = Random(plan_.options().seed, {0x1a}).below(2);
-  for (double s = 9; s < length_m_ - 8; s += 26)
+  for (double s = 9; s < length_m_ - 8; s += 30)
     if (take(s, 0.5)) put(PropClass::lamp, lamp, s, 0.45, std::numbers::pi);
   const double much = std::clamp(detail_ * 0.5, 0.1, 1.5);
   if (plan_.options().street_width_m >= 10 && random_.chance(0.12 * much)) {
     const double s = length_m_ * random_.range(0.3, 0.7);
-    if (take(s, 2.3)) put(PropClass::bus_stop, 0, s, 0.75, 0);
+    if (take(s, 2.3)) put(PropClass::bus_stop, 0, s, 0.68, 0);
   }
   const std::array<std::pair<PropClass, double>, 4> kinds = {
       std::pair(PropClass::bench, 1.1), {PropClass::hydrant, 0.4}, {PropClass::bin, 0.5}, {PropClass::sign, 0.4}};
@@ -105,23 +104,23 @@ void KerbSide::furniture() {
 
 void KerbSide::cars() {
   if (plan_.options().street_width_m < 9) return;
-  const double share = std::clamp(0.02 + 0.13 * detail_, 0.0, 0.92);
-  const auto slots = static_cast<int>((length_m_ - 2 * kClearCorner_m) / kParkingSlot_m);
+  const double share = std::clamp(0.045 * detail_, 0.0, 0.92);
+  const auto slots = static_cast<int>((length_m_ - 2 * kClearCornerM) / kParkingSlotM);
   for (int k = 0; k < slots; ++k) {
     Random random = random_.fork(static_cast<uint64_t>(k));
-    const double slack = kParkingSlot_m - kLongestCar_m;
-    const double s = kClearCorner_m + kParkingSlot_m * (k + 0.5) + random.range(-slack, slack) / 2;
+    const double slack = kParkingSlotM - kLongestCarM;
+    const double s = kClearCornerM + kParkingSlotM * (k + 0.5) + random.range(-slack, slack) / 2;
     const uint32_t variant = random.below(variants_of(PropClass::car));
     if (!random.chance(share)) continue;
     // Traffic keeps to the right, so that it passes a block clockwise.
     const double turn_rad = std::numbers::pi + random.range(-0.02, 0.02);
-    put(PropClass::car, variant, s, -kFromKerb_m + random.range(-0.12, 0.06), turn_rad);
+    put(PropClass::car, variant, s, -kFromKerbM + random.range(-0.12, 0.06), turn_rad);
   }
 }
 
 }  // namespace
 
-double walking_line_m(const CityOptions& options) { return options.curb_width_m * 0.76; }
+double walking_line_m(const CityOptions& options) { return options.curb_width_m * 0.7; }
 
 std::vector<KerbProp> kerb_props(const CityPlan& plan, uint32_t x, uint32_t y, bool tree_lined, double detail) {
   std::vector<KerbProp> props;

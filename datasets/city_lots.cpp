@@ -7,9 +7,9 @@
 namespace promenade {
 namespace {
 
-constexpr double kSmallestLot_m = 9;  // narrower ones stay empty
-constexpr double kAlley_m = 5;
-constexpr double kSetback_m = 1.2;  // between the pavement and a building
+constexpr double kSmallestLotM = 9;  // narrower ones stay empty
+constexpr double kAlleyM = 5;
+constexpr double kSetbackM = 1.2;  // between the pavement and a building
 
 /// Cuts of [low, high] into parts at random spacing, none smaller than 0.5 of an even part.
 std::vector<double> random_cuts(double low, double high, uint32_t parts, Random& random) {
@@ -20,6 +20,12 @@ std::vector<double> random_cuts(double low, double high, uint32_t parts, Random&
   for (const double w : weights) cuts.push_back(cuts.back() + (high - low) * w / sum);
   cuts.back() = high;
   return cuts;
+}
+
+/// A number up to `most`, at least `least` where that allows it.
+uint32_t at_least(uint32_t least, uint32_t most, Random& random) {
+  const uint32_t low = std::min(least, most);
+  return low + random.below(most - low + 1);
 }
 
 /// Buildings are tallest in the middle of the city.
@@ -35,7 +41,7 @@ void fill_lot(const CityPlan& plan, Lot& lot, Random random) {
   const glm::dvec2 size = lot.rect.size();
   const double least = std::min(size.x, size.y);
   lot.seed = random.next();
-  if (least < kSmallestLot_m) return;
+  if (least < kSmallestLotM) return;
   const bool at_street = lot.street[0] || lot.street[1] || lot.street[2] || lot.street[3];
   const double dice = random.unit();
   lot.use = dice < (at_street ? 0.07 : 0.3)   ? LotUse::park
@@ -54,24 +60,25 @@ BlockLots lots_of_block(const CityPlan& plan, uint32_t x, uint32_t y) {
   BlockLots result;
   const PlanRect inner = plan.block(x, y).inset(options.curb_width_m);
   result.park = options.blocks_x * options.blocks_y > 3 && random.chance(0.07);
-  result.tree_lined = options.tree_distance_m > 0 && random.chance(0.6);
+  result.tree_lined = options.tree_distance_m > 0 && random.chance(0.55);
   const glm::dvec2 size = inner.size();
-  if (result.park || size.x < kSmallestLot_m || size.y < kSmallestLot_m) return result;
-  const uint32_t rows = 1 + random.below(options.max_rows);
+  if (result.park || size.x < kSmallestLotM || size.y < kSmallestLotM) return result;
+  // One row only where blocks are thin, and at least three columns if there may be: no building fills a block.
+  const uint32_t least_rows = size.y > 40 ? 2 : 1, least_columns = size.x > 60 ? 3 : 2;
+  const uint32_t rows = at_least(least_rows, options.max_rows, random);
   const std::vector<double> row_cuts = random_cuts(inner.low.y, inner.high.y, rows, random);
   const uint32_t alley = rows > 1 && random.chance(0.5) ? 1 + random.below(rows - 1) : rows;
   for (uint32_t r = 0; r < rows; ++r) {
     PlanRect row{{inner.low.x, row_cuts[r]}, {inner.high.x, row_cuts[r + 1]}};
-    row.low.y += r == 0 ? kSetback_m : r == alley ? kAlley_m / 2 : 0.6;
-    row.high.y -= r + 1 == rows ? kSetback_m : r + 1 == alley ? kAlley_m / 2 : 0.6;
-    // At least two columns in deep rows: a building as long as a block would be a wall.
-    const uint32_t columns = std::min(options.max_columns, 2 + random.below(std::max(1U, options.max_columns - 1)));
+    row.low.y += r == 0 ? kSetbackM : r == alley ? kAlleyM / 2 : 0.6;
+    row.high.y -= r + 1 == rows ? kSetbackM : r + 1 == alley ? kAlleyM / 2 : 0.6;
+    const uint32_t columns = at_least(least_columns, options.max_columns, random);
     const std::vector<double> cuts = random_cuts(row.low.x, row.high.x, columns, random);
     for (uint32_t c = 0; c < columns; ++c) {
       const double gap = random.chance(0.3) ? random.range(1.0, 2.5) : 0.4;
       Lot lot;
-      lot.rect = {{cuts[c] + (c == 0 ? kSetback_m : gap), row.low.y},
-                  {cuts[c + 1] - (c + 1 == columns ? kSetback_m : gap), row.high.y}};
+      lot.rect = {{cuts[c] + (c == 0 ? kSetbackM : gap), row.low.y},
+                  {cuts[c + 1] - (c + 1 == columns ? kSetbackM : gap), row.high.y}};
       lot.street = {r == 0, c + 1 == columns, r + 1 == rows, c == 0};
       fill_lot(plan, lot, random.fork(r * 64 + c));
       result.lots.push_back(lot);
@@ -79,7 +86,7 @@ BlockLots lots_of_block(const CityPlan& plan, uint32_t x, uint32_t y) {
   }
   if (alley < rows)
     result.alleys.push_back(
-        {{inner.low.x, row_cuts[alley] - kAlley_m / 2}, {inner.high.x, row_cuts[alley] + kAlley_m / 2}});
+        {{inner.low.x, row_cuts[alley] - kAlleyM / 2}, {inner.high.x, row_cuts[alley] + kAlleyM / 2}});
   return result;
 }
 

@@ -12,16 +12,17 @@
 namespace promenade {
 namespace {
 
-constexpr double kWalk_mps = 1.4;
-constexpr double kWalkEye_m = 1.7;
-constexpr double kLongestWalk_m = 420;  // five minutes
-constexpr double kDrive_mps = 100 / 3.6;
-constexpr double kDriveEye_m = 1.4;
-constexpr double kLongestDrive_m = 5000;  // three minutes
-constexpr double kFly_mps = 40;
-constexpr double kLongestFlight_s = 120;
-constexpr double kTurn_degps = 70;     // standing at a corner
-constexpr double kSharpTurn_deg = 20;  // a smaller one is taken while moving
+constexpr double kWalkMps = 1.4;
+constexpr double kWalkEyeM = 1.7;
+constexpr double kLongestWalkM = 420;  // five minutes
+constexpr double kDriveMps = 100 / 3.6;
+constexpr double kDriveEyeM = 1.4;
+constexpr double kLongestDriveM = 5000;  // three minutes
+constexpr double kFlyMps = 40;
+constexpr double kLongestFlightS = 120;
+constexpr double kTurnDegPerS = 70;   // standing at a corner
+constexpr double kCornerCutM = 0.8;   // nobody walks to a corner's very point
+constexpr double kSharpTurnDeg = 20;  // a smaller one is taken while moving
 
 struct Motion {
   double speed_mps = 1, eye_z_m = 0, pitch_deg = 0;
@@ -40,9 +41,9 @@ CameraPath path_along(const std::vector<glm::dvec2>& points, const Motion& motio
     const double heading = glm::degrees(std::atan2(way.y, way.x));
     const double turn = i == 0 ? 0 : std::remainder(heading - yaw_deg, 360.0);
     if (i == 0) yaw_deg = heading;
-    if (std::abs(turn) > kSharpTurn_deg) {
+    if (std::abs(turn) > kSharpTurnDeg) {
       key(points[i], yaw_deg);
-      t_s += std::abs(turn) / kTurn_degps;
+      t_s += std::abs(turn) / kTurnDegPerS;
       yaw_deg += turn;
       key(points[i], yaw_deg);
     } else {
@@ -61,7 +62,7 @@ void add_side(const CityPlan& plan, uint32_t x, uint32_t y, size_t side, std::ve
       block.low, {block.high.x, block.low.y}, block.high, {block.low.x, block.high.y}};
   const glm::dvec2 from = corners[side], to = corners[(side + 1) % 4], way = glm::normalize(to - from);
   const double in_m = walking_line_m(plan.options());
-  const double length = glm::distance(from, to), ends = std::min(in_m, length / 3);
+  const double length = glm::distance(from, to), ends = std::min(in_m + kCornerCutM, length / 3);
   const auto count = static_cast<int>(std::max(2.0, std::ceil(length / 4)));
   for (int k = 0; k <= count; ++k) {
     const double share = static_cast<double>(k) / count;
@@ -76,7 +77,7 @@ void add_side(const CityPlan& plan, uint32_t x, uint32_t y, size_t side, std::ve
 CameraPath walk_through(const CityPlan& plan) {
   const uint32_t y = plan.blocks_y() / 2, first = plan.blocks_x() / 2;
   const double pitch = plan.options().block_length_m + plan.options().street_width_m;
-  const auto wish = static_cast<uint32_t>(std::clamp(kLongestWalk_m / 2 / pitch, 1.0, 1e6));
+  const auto wish = static_cast<uint32_t>(std::clamp(kLongestWalkM / 2 / pitch, 1.0, 1e6));
   const uint32_t count = std::min(wish, plan.blocks_x() - first);
   std::vector<glm::dvec2> points;
   // Eastwards on the southern pavements, around the last block's corners, and back on the northern ones.
@@ -85,7 +86,7 @@ CameraPath walk_through(const CityPlan& plan) {
   for (uint32_t k = count; k-- > 0;) add_side(plan, first + k, y, 2, points);
   add_side(plan, first, y, 3, points);
   const double floor_m = plan.options().street_height_m + plan.options().curb_height_m;
-  return path_along(points, {kWalk_mps, floor_m + kWalkEye_m, 0});
+  return path_along(points, {kWalkMps, floor_m + kWalkEyeM, 0});
 }
 
 CameraPath drive_through(const CityPlan& plan) {
@@ -93,9 +94,9 @@ CameraPath drive_through(const CityPlan& plan) {
   const double lane_m = std::min(2.4, plan.options().street_width_m / 4);
   // Traffic keeps to the right; the first street has only its northern half.
   const double v = plan.cell(0, y).low.y + (y == 0 ? lane_m : -lane_m);
-  const double middle = plan.size().x / 2, half = std::min(plan.size().x, kLongestDrive_m) / 2 - 4;
+  const double middle = plan.size().x / 2, half = std::min(plan.size().x, kLongestDriveM) / 2 - 4;
   const double from = y == 0 ? middle + half : middle - half, to = 2 * middle - from;
-  return path_along(plan.line({from, v}, {to, v}, 6), {kDrive_mps, plan.options().street_height_m + kDriveEye_m, 0});
+  return path_along(plan.line({from, v}, {to, v}, 6), {kDriveMps, plan.options().street_height_m + kDriveEyeM, 0});
 }
 
 CameraPath fly_over(const CityPlan& plan) {
@@ -108,7 +109,7 @@ CameraPath fly_over(const CityPlan& plan) {
     const double t = static_cast<double>(k) / kPoints;
     points.push_back(size * glm::dvec2(t - 0.5, 0.14 * std::sin(6.283185307179586 * t)));
   }
-  return path_along(points, {std::max(kFly_mps, size.x / kLongestFlight_s), height_m, -25});
+  return path_along(points, {std::max(kFlyMps, size.x / kLongestFlightS), height_m, -25});
 }
 
 }  // namespace promenade

@@ -11,20 +11,21 @@
 namespace promenade {
 namespace {
 
-constexpr double kJointStep_m = 12;  // a street with a radius of 300 m bends by 6 cm within it
+constexpr double kJointStepM = 12;  // a street with a radius of 300 m bends by 6 cm within it
 
 }  // namespace
 
 CityPlan::CityPlan(const CityOptions& options) : options_(options) {
   if (options_.style == StreetStyle::grid) return;
   Random random(options_.seed, {0x9a});
-  // Each wave bends the streets by at most amplitude * number; all together by less than 0.42 either way, so that the
-  // plan never folds and widths stay within a third of what they should be.
+  // Waves that move the plan mostly across their way shear it: streets bend and meet at other than right angles while
+  // blocks keep their size. All together they move a point by less than 0.65 of the way to it, so that the plan never
+  // folds.
   for (Wave& wave : waves_) {
-    const double length_m = random.range(420.0, 1300.0), angle = random.range(0.0, 2 * std::numbers::pi);
-    const double number = 2 * std::numbers::pi / length_m, way = random.range(0.0, 2 * std::numbers::pi);
+    const double length_m = random.range(380.0, 1300.0), angle = random.range(0.0, 2 * std::numbers::pi);
+    const double number = 2 * std::numbers::pi / length_m, way = angle + std::numbers::pi / 2 + random.range(-0.4, 0.4);
     wave.number = number * glm::dvec2(std::cos(angle), std::sin(angle));
-    wave.amplitude = random.range(0.05, 0.1) / number * glm::dvec2(std::cos(way), std::sin(way));
+    wave.amplitude = random.range(0.06, 0.13) / number * glm::dvec2(std::cos(way), std::sin(way));
     wave.phase = random.range(0.0, 2 * std::numbers::pi);
   }
 }
@@ -70,12 +71,12 @@ std::vector<glm::dvec2> CityPlan::joint(const glm::dvec2& from, const glm::dvec2
   const auto at = [&](double t) { return across ? glm::dvec2(t, from.y) : glm::dvec2(from.x, t); };
   // An end between two cuts lies on the chord that the neighbour draws between them.
   const auto on_chord = [&](double t) {
-    const double low = std::floor(t / kJointStep_m) * kJointStep_m;
-    return glm::mix(world(at(low)), world(at(low + kJointStep_m)), (t - low) / kJointStep_m);
+    const double low = std::floor(t / kJointStepM) * kJointStepM;
+    return glm::mix(world(at(low)), world(at(low + kJointStepM)), (t - low) / kJointStepM);
   };
   std::vector<glm::dvec2> points = {on_chord(std::min(a, b))};
-  for (double t = (std::floor(std::min(a, b) / kJointStep_m) + 1) * kJointStep_m; t < std::max(a, b) - 1e-9;
-       t += kJointStep_m)
+  for (double t = (std::floor(std::min(a, b) / kJointStepM) + 1) * kJointStepM; t < std::max(a, b) - 1e-9;
+       t += kJointStepM)
     points.push_back(world(at(t)));
   points.push_back(on_chord(std::max(a, b)));
   if (a > b) std::reverse(points.begin(), points.end());

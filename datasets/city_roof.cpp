@@ -145,10 +145,13 @@ void build_flat(Shape& shape, const Roof& roof, Random random) {
 
 }  // namespace
 
-RoofKind choose_roof(size_t corners, bool cylindrical, float height_m, bool house, Random random) {
+RoofKind choose_roof(std::span<const glm::vec2> footprint, bool cylindrical, float height_m, bool house,
+                     Random random) {
   const double dice = random.unit();
+  const size_t corners = footprint.size();
   if (cylindrical) return dice < 0.5 ? RoofKind::spire : RoofKind::flat;
-  if (corners != 4) return RoofKind::flat;
+  // Slopes over wide buildings would be hills.
+  if (corners != 4 || radius_of(footprint) > 11) return RoofKind::flat;
   if (house) return dice < 0.5 ? RoofKind::ridge : RoofKind::hip;
   if (height_m < 20) return dice < 0.35 ? RoofKind::hip : dice < 0.45 ? RoofKind::ridge : RoofKind::flat;
   return dice < 0.14 ? RoofKind::spire : RoofKind::flat;

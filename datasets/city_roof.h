@@ -12,7 +12,7 @@ namespace promenade {
 enum class RoofKind : uint8_t { flat, spire, hip, ridge };
 
 /// spire: a cone over a cylinder, a pyramid over anything else.
-RoofKind choose_roof(size_t corners, bool cylindrical, float height_m, bool house, Random random);
+RoofKind choose_roof(std::span<const glm::vec2> footprint, bool cylindrical, float height_m, bool house, Random random);
 /// How much of the building's height the roof takes.
 float roof_height_m(RoofKind kind, std::span<const glm::vec2> footprint, float height_m);
 

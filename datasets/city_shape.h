@@ -14,7 +14,9 @@ namespace promenade {
 using Color = glm::u8vec4;
 
 /// Materials of every city file, in this order; textured walls come after them.
-enum CityMaterial : uint32_t { kOpaque = 0, kGlass = 1, kCityMaterials = 2, kTexturedWall = 0xfffffff0 };
+constexpr uint32_t kOpaque = 0, kGlass = 1;
+/// Stands for the building's own material until its picture is there.
+constexpr uint32_t kTexturedWall = 0xfffffff0;
 
 /// sRGB, opaque.
 constexpr Color rgb(int r, int g, int b) {

@@ -9,7 +9,7 @@
 namespace promenade {
 namespace {
 
-constexpr float kBrick_m = 0.24F, kCourse_m = 0.075F, kJoint_m = 0.01F;
+constexpr float kBrickM = 0.24F, kCourseM = 0.075F, kJointM = 0.01F;
 
 uint32_t hashed(uint32_t x, uint32_t y, uint32_t seed) {
   uint32_t h = x * 0x8da6b343U ^ y * 0xd8163841U ^ seed * 0xcb1ab31fU;
@@ -54,11 +54,11 @@ class FacadePainter {
 
 /// How bright the brick at a place is; joint: how much of the place is mortar.
 float FacadePainter::brick(float x, float z, float& joint) const {
-  const float course = std::floor(z / kCourse_m);
+  const float course = std::floor(z / kCourseM);
   const float shift = std::fmod(course, 2.0F) * 0.5F;
-  const float along = x / kBrick_m + shift, column = std::floor(along);
-  const float in_x = (along - column) * kBrick_m, in_z = z - course * kCourse_m;
-  joint = in_x < kJoint_m || in_z < kJoint_m ? 1.0F : 0.0F;
+  const float along = x / kBrickM + shift, column = std::floor(along);
+  const float in_x = (along - column) * kBrickM, in_z = z - course * kCourseM;
+  joint = in_x < kJointM || in_z < kJointM ? 1.0F : 0.0F;
   return 0.8F + 0.4F * unit_of(hashed(static_cast<uint32_t>(column), static_cast<uint32_t>(course), seed_));
 }
 

@@ -42,8 +42,7 @@ Status CityTile::add_object(const UniqueObject& object, const EncodedFacade& fac
     wall.wrap_u = wall.wrap_v = Wrap::clamp;
     const uint32_t material = writer_.add_material(object.name, wall);
     textured = object.mesh;
-    std::replace(textured->materials.begin(), textured->materials.end(), static_cast<uint32_t>(kTexturedWall),
-                 material);
+    std::replace(textured->materials.begin(), textured->materials.end(), kTexturedWall, material);
     figures.texture_megapixels += static_cast<double>(facade.pixels) * 1e-6;
   }
   const Mesh& mesh = textured ? *textured : object.mesh;

@@ -12,9 +12,9 @@
 
 namespace promenade {
 
-/// A kind of object. Its frame: metres, z up; the origin is on the floor (or the surface it stands on) in the middle of its footprint, or,
-/// for what hangs on a wall, in the middle of its back. Its front looks towards -y: a sitter looks towards -y, the user
-/// of a desk sits at its -y side, a picture is seen from -y.
+/// A kind of object. Its frame: metres, z up; the origin is on the floor (or the surface it stands on) in the middle of
+/// its footprint, or, for what hangs on a wall, in the middle of its back. Its front looks towards -y: a sitter looks
+/// towards -y, the user of a desk sits at its -y side, a picture is seen from -y.
 struct FurnitureItem {
   std::string name;                           ///< unique: "office_chair_2"
   std::string class_name;                     ///< "chair"
@@ -44,8 +44,9 @@ class FurnitureCatalogue {
   std::vector<Kind> kinds_;
 };
 
-/// The boards of every bookcase: book ends fit between them. The lowest board's top, the distance of the next, their number, half of
-/// the inner width, how far a book's spine stands from the middle of a one-sided and of a two-sided case.
+/// The boards of every bookcase: book ends fit between them. The lowest board's top, the distance of the next, their
+/// number, half of the inner width, how far a book's spine stands from the middle of a one-sided and of a two-sided
+/// case.
 constexpr double kShelfFirst_m = 0.1, kShelfPitch_m = 0.37, kShelfInnerHalf_m = 0.42;
 constexpr uint32_t kShelfBoards = 5;
 constexpr double kSpineOneSided_m = -0.11, kSpineTwoSided_m = -0.24;

@@ -43,7 +43,7 @@ Mesh monitor(const Monitor& p, double quality) {
 Mesh keyboard(glm::u8vec4 body, glm::u8vec4 key, double quality) {
   Sculptor s(quality);
   s.paint(body).box({-0.22, -0.075, 0}, {0.22, 0.075, 0.016});
-  const uint32_t rows = quality < 0.3 ? 0 : 5, columns = s.steps(11, 5);
+  const uint32_t rows = quality < 0.12 ? 0 : 5, columns = s.steps(12, 4);
   for (uint32_t row = 0; row < rows; ++row) {
     const double y = -0.066 + row * 0.0268;
     double x = -0.212;
@@ -63,7 +63,8 @@ Mesh keyboard(glm::u8vec4 body, glm::u8vec4 key, double quality) {
 Mesh mouse(glm::u8vec4 body, double quality) {
   Sculptor s(quality);
   s.paint(body).ellipsoid({0, 0, 0.012}, {0.031, 0.055, 0.024}, s.steps(14, 6), s.steps(8, 4));
-  s.paint(kGraphite).cylinder({-0.004, -0.028, 0.031}, {0.004, -0.028, 0.031}, 0.008, s.steps(8, 4));
+  if (quality >= kFineDetail)
+    s.paint(kGraphite).cylinder({-0.004, -0.028, 0.031}, {0.004, -0.028, 0.031}, 0.008, s.steps(8, 4));
   s.paint(kSlate).box({-0.1, -0.11, 0}, {0.1, 0.09, 0.003});
   return s.take();
 }
@@ -104,7 +105,8 @@ Mesh telephone(glm::u8vec4 body, double quality) {
   s.paint(body).rounded_box({-0.09, -0.1, 0}, {0.09, 0.1, 0.045}, 0.012, s.steps(1, 0));
   const dvec3 handset[] = {{-0.06, -0.09, 0.06}, {-0.06, -0.06, 0.072}, {-0.06, 0.06, 0.072}, {-0.06, 0.09, 0.06}};
   s.paint(shaded(body, -0.2)).tube(handset, 0.018, s.steps(8, 4));
-  for (int i = 0; i < 12 && quality > 0.3; ++i) {
+  if (quality < kFineDetail) s.paint(kPaper).box({-0.015, -0.07, 0.0451}, {0.067, 0.034, 0.049});
+  for (int i = 0; i < 12 && quality >= kFineDetail; ++i) {
     const double x = -0.015 + 0.03 * (i % 3), y = -0.07 + 0.028 * (i / 3);
     s.paint(kPaper).box({x, y, 0.0451}, {x + 0.022, y + 0.02, 0.049});
   }
@@ -124,12 +126,15 @@ Mesh printer(const Printer& p, double quality) {
   s.paint(p.body).rounded_box({-w, -d, 0}, {w, d, h}, 0.02, s.steps(2, 1));
   const double tray = 0.5 * h / p.trays;
   for (uint32_t i = 0; i < p.trays; ++i) {
-    s.paint(shaded(p.body, -0.12)).rounded_box({-w + 0.03, -d - 0.015, 0.02 + i * tray}, {w - 0.03, -d + 0.01, 0.01 + (i + 1) * tray}, 0.006, s.steps(1, 0));
+    s.paint(shaded(p.body, -0.12))
+        .rounded_box({-w + 0.03, -d - 0.015, 0.02 + i * tray}, {w - 0.03, -d + 0.01, 0.01 + (i + 1) * tray}, 0.006,
+                     s.steps(1, 0));
     s.paint(kGraphite).box({-0.06, -d - 0.018, 0.04 + i * tray}, {0.06, -d - 0.0151, 0.055 + i * tray});
   }
   s.paint(kGraphite).box({-w + 0.05, -d - 0.002, h * 0.62}, {w - 0.05, -d + 0.03, h * 0.8});
   s.paint(kPaper).box({-0.105, -d - 0.06, h * 0.66}, {0.105, -d + 0.02, h * 0.665});
-  s.paint(kGraphite).rounded_box({w - 0.16, -d + 0.02, h - 0.005}, {w - 0.03, -d + 0.12, h + 0.02}, 0.008, s.steps(1, 0));
+  s.paint(kGraphite).rounded_box({w - 0.16, -d + 0.02, h - 0.005}, {w - 0.03, -d + 0.12, h + 0.02}, 0.008,
+                                 s.steps(1, 0));
   s.paint(rgb(0x6fa8c0)).box({w - 0.145, -d + 0.05, h + 0.0201}, {w - 0.07, -d + 0.105, h + 0.022});
   s.paint(shaded(p.body, -0.08)).box({-w + 0.04, -d + 0.15, h + 0.0001}, {w - 0.04, d - 0.03, h + 0.025});
   return s.take();
@@ -167,7 +172,8 @@ Mesh vending_machine(double quality) {
     for (uint32_t k = 0; k < 5; ++k) {
       const glm::u8vec4 colors[] = {kMustard, kSage, kNavy, kPaper, kWine};
       s.paint(colors[(static_cast<uint32_t>(row) * 2 + k) % 5]);
-      s.cylinder({-0.34 + 0.1 * k, -0.4, 0.56 + 0.23 * row}, {-0.34 + 0.1 * k, -0.4, 0.7 + 0.23 * row}, 0.03, s.steps(10, 4));
+      s.cylinder({-0.34 + 0.1 * k, -0.4, 0.56 + 0.23 * row}, {-0.34 + 0.1 * k, -0.4, 0.7 + 0.23 * row}, 0.03,
+                 s.steps(10, 4));
     }
   }
   s.paint(kSteel).box({0.22, -0.39, 0.8}, {0.4, -0.3801, 1.5});
@@ -198,16 +204,28 @@ Mesh microwave(double quality) {
 }  // namespace
 
 void add_devices(FurnitureCatalogue& catalogue) {
-  catalogue.add("monitor", "monitor", each<Monitor>(monitor, {{}, {.width_m = 0.6, .height_m = 0.36, .body = kGraphite, .desktop = rgb(0x3c7a5e)}, {.body = kAluminium, .desktop = rgb(0x6b4a86)}}));
-  catalogue.add("keyboard", "keyboard", {[](double q) { return keyboard(kGraphite, rgb(0x4a4d53), q); }, [](double q) { return keyboard(kAluminium, kWhite, q); }});
-  catalogue.add("mouse", "mouse", {[](double q) { return mouse(kBlack, q); }, [](double q) { return mouse(kWhite, q); }});
-  catalogue.add("tower", "computer", {[](double q) { return tower(kBlack, q); }, [](double q) { return tower(kOffWhite, q); }});
-  catalogue.add("laptop", "computer", {[](double q) { return laptop(kAluminium, q); }, [](double q) { return laptop(kGraphite, q); }});
-  catalogue.add("telephone", "telephone", {[](double q) { return telephone(kGraphite, q); }, [](double q) { return telephone(kOffWhite, q); }});
+  catalogue.add("monitor", "monitor",
+                each<Monitor>(monitor, {{},
+                                        {.width_m = 0.6, .height_m = 0.36, .body = kGraphite, .desktop = rgb(0x3c7a5e)},
+                                        {.body = kAluminium, .desktop = rgb(0x6b4a86)}}));
+  catalogue.add("keyboard", "keyboard",
+                {[](double q) { return keyboard(kGraphite, rgb(0x4a4d53), q); },
+                 [](double q) { return keyboard(kAluminium, kWhite, q); }});
+  catalogue.add("mouse", "mouse",
+                {[](double q) { return mouse(kBlack, q); }, [](double q) { return mouse(kWhite, q); }});
+  catalogue.add("tower", "computer",
+                {[](double q) { return tower(kBlack, q); }, [](double q) { return tower(kOffWhite, q); }});
+  catalogue.add("laptop", "computer",
+                {[](double q) { return laptop(kAluminium, q); }, [](double q) { return laptop(kGraphite, q); }});
+  catalogue.add("telephone", "telephone",
+                {[](double q) { return telephone(kGraphite, q); }, [](double q) { return telephone(kOffWhite, q); }});
   catalogue.add("printer", "printer", each<Printer>(printer, {{}, {.width_m = 0.5, .body = kGraphite, .trays = 2}}));
-  catalogue.add("copier", "printer", each<Printer>(printer, {{.width_m = 0.65, .depth_m = 0.65, .height_m = 1.05, .trays = 3}}));
+  catalogue.add("copier", "printer",
+                each<Printer>(printer, {{.width_m = 0.65, .depth_m = 0.65, .height_m = 1.05, .trays = 3}}));
   catalogue.add("projector", "projector", {[](double q) { return projector(q); }});
-  catalogue.add("server_rack", "rack", {[](double q) { return server_rack(rgb(0x57d07a), q); }, [](double q) { return server_rack(rgb(0x5aa9e6), q); }});
+  catalogue.add(
+      "server_rack", "rack",
+      {[](double q) { return server_rack(rgb(0x57d07a), q); }, [](double q) { return server_rack(rgb(0x5aa9e6), q); }});
   catalogue.add("vending_machine", "machine", {[](double q) { return vending_machine(q); }});
   catalogue.add("coffee_machine", "machine", {[](double q) { return coffee_machine(q); }});
   catalogue.add("microwave", "machine", {[](double q) { return microwave(q); }});

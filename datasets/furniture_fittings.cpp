@@ -32,6 +32,7 @@ Mesh door_leaf(const DoorLeaf& p, double quality) {
     const double y = side * 0.0226, out = side * 0.0245;
     s.box({0.1, std::min(y, out), 0.02}, {w - 0.1, std::max(y, out), 0.2});  // kick plate
   }
+  if (quality < 0.3) return s.take();
   for (const double z : {0.25, 1.0, 1.8}) s.cylinder({0, 0.018, z}, {0, 0.018, z + 0.1}, 0.009, s.steps(8, 4));
   return s.take();
 }
@@ -42,9 +43,12 @@ Mesh door_handle(glm::u8vec4 metal, double quality) {
   s.paint(metal);
   for (const double side : {-1.0, 1.0}) {
     const double y = side * 0.0226;
-    s.rounded_box({-0.02, std::min(y, y + side * 0.008), -0.11}, {0.02, std::max(y, y + side * 0.008), 0.06}, 0.0035, s.steps(2, 0));
-    const dvec3 lever[] = {{0, y, 0}, {0, side * 0.055, 0}, {-0.012, side * 0.066, 0}, {-0.03, side * 0.07, 0}, {-0.12, side * 0.07, 0}};
-    s.tube(lever, 0.009, s.steps(12, 5));
+    s.rounded_box({-0.02, std::min(y, y + side * 0.008), -0.11}, {0.02, std::max(y, y + side * 0.008), 0.06}, 0.0035,
+                  s.steps(2, 0));
+    const dvec3 lever[] = {
+        {0, y, 0}, {0, side * 0.055, 0}, {-0.012, side * 0.066, 0}, {-0.03, side * 0.07, 0}, {-0.12, side * 0.07, 0}};
+    s.tube(lever, 0.009, s.steps(12, 4));
+    if (quality < kFineDetail) continue;
     s.cylinder({0, y, -0.08}, {0, y + side * 0.012, -0.08}, 0.008, s.steps(10, 4));
   }
   return s.take();
@@ -55,9 +59,12 @@ Mesh door_handle(glm::u8vec4 metal, double quality) {
 Mesh door_frame(double width_m, double wall_m, glm::u8vec4 paint, double quality) {
   Sculptor s(quality);
   const double w = width_m / 2, h = 2.1, d = wall_m / 2 + 0.015, rim = 0.05, trim = 0.06;
-  const glm::dvec2 lining[] = {{-w + 0.001, 0.001}, {-w + rim, 0.001}, {-w + rim, h - rim}, {w - rim, h - rim}, {w - rim, 0.001}, {w - 0.001, 0.001}, {w - 0.001, h - 0.001}, {-w + 0.001, h - 0.001}};
+  const glm::dvec2 lining[] = {{-w + 0.001, 0.001},    {-w + rim, 0.001},      {-w + rim, h - rim},
+                               {w - rim, h - rim},     {w - rim, 0.001},       {w - 0.001, 0.001},
+                               {w - 0.001, h - 0.001}, {-w + 0.001, h - 0.001}};
   s.stand(turned_x(90)).paint(paint).extrude(lining, {}, -d + 0.014, d - 0.014);
-  const glm::dvec2 casing[] = {{-w - trim, 0.001}, {-w + 0.02, 0.001}, {-w + 0.02, h - 0.02}, {w - 0.02, h - 0.02}, {w - 0.02, 0.001}, {w + trim, 0.001}, {w + trim, h + trim}, {-w - trim, h + trim}};
+  const glm::dvec2 casing[] = {{-w - trim, 0.001}, {-w + 0.02, 0.001}, {-w + 0.02, h - 0.02}, {w - 0.02, h - 0.02},
+                               {w - 0.02, 0.001},  {w + trim, 0.001},  {w + trim, h + trim},  {-w - trim, h + trim}};
   s.paint(shaded(paint, 0.06));
   s.extrude(casing, {}, d - 0.0139, d), s.extrude(casing, {}, -d, -d + 0.0139);
   return s.take();
@@ -78,11 +85,15 @@ Mesh window(const Window& p, double quality) {
   const auto pane = [&](double x0, double x1, double z0, double z1) {
     return std::vector<glm::dvec2>{{x0, z0}, {x0, z1}, {x1, z1}, {x1, z0}};
   };
-  const std::vector<std::vector<glm::dvec2>> panes{pane(-w + rim, -rim / 2, rim, transom), pane(rim / 2, w - rim, rim, transom), pane(-w + rim, w - rim, transom + rim, h - rim)};
+  const std::vector<std::vector<glm::dvec2>> panes{pane(-w + rim, -rim / 2, rim, transom),
+                                                   pane(rim / 2, w - rim, rim, transom),
+                                                   pane(-w + rim, w - rim, transom + rim, h - rim)};
   s.stand(turned_x(90)).paint(p.frame).extrude(outer, panes, -y1, -y0);
-  s.stand().paint(kOffWhite).rounded_box({-w - 0.05, -p.inside_m - 0.08, -0.03}, {w + 0.05, -p.inside_m - 0.001, 0.012}, 0.008, s.steps(2, 0));
+  s.stand().paint(kOffWhite).rounded_box({-w - 0.05, -p.inside_m - 0.08, -0.03}, {w + 0.05, -p.inside_m - 0.001, 0.012},
+                                         0.008, s.steps(2, 0));
   s.box({-w + 0.001, -p.inside_m - 0.0009, 0.001}, {w - 0.001, y0 - 0.001, 0.012});
   s.paint(kSteel).box({-w + 0.001, y1 + 0.001, 0.001}, {w - 0.001, p.outside_m + 0.05, 0.018});
+  if (quality < kFineDetail) return s.take();
   s.paint(kChrome).cylinder({-0.005, y0, transom * 0.5}, {-0.005, y0 - 0.03, transom * 0.5}, 0.008, s.steps(8, 4));
   s.box({-0.012, y0 - 0.04, transom * 0.5 - 0.1}, {0.004, y0 - 0.028, transom * 0.5 + 0.01});
   return s.take();
@@ -104,25 +115,30 @@ Mesh radiator(double quality) {
 
 Mesh toilet(double quality) {
   Sculptor s(quality);
-  const glm::dvec2 bowl[] = {{0, 0}, {0.12, 0}, {0.13, 0.05}, {0.12, 0.18}, {0.17, 0.32}, {0.19, 0.39}, {0.14, 0.395}, {0.12, 0.33}, {0, 0.24}};
+  const glm::dvec2 bowl[] = {{0, 0},       {0.12, 0},     {0.13, 0.05}, {0.12, 0.18}, {0.17, 0.32},
+                             {0.19, 0.39}, {0.14, 0.395}, {0.12, 0.33}, {0, 0.24}};
   glm::dmat4 stretch(1);
   stretch[1][1] = 1.25;
   s.paint(kCeramic).stand(moved({0, -0.05, 0}) * stretch).lathe(bowl, false, s.steps(20, 6));
   s.stand().rounded_box({-0.2, 0.16, 0.38}, {0.2, 0.32, 0.76}, 0.025, s.steps(2, 1));
-  s.paint(kOffWhite).stand(moved({0, 0.16, 0.41}) * turned_x(-8)).rounded_box({-0.18, 0, 0}, {0.18, 0.025, 0.4}, 0.01, s.steps(1, 0));
+  s.paint(kOffWhite)
+      .stand(moved({0, 0.16, 0.41}) * turned_x(-8))
+      .rounded_box({-0.18, 0, 0}, {0.18, 0.025, 0.4}, 0.01, s.steps(1, 0));
   s.stand().paint(kChrome).cylinder({0, 0.24, 0.76}, {0, 0.24, 0.772}, 0.03, s.steps(12, 5));
   return s.take();
 }
 
 void add_tap(Sculptor& s, double x, double y, double z) {
-  const dvec3 spout[] = {{x, y, z}, {x, y, z + 0.12}, {x, y - 0.03, z + 0.16}, {x, y - 0.1, z + 0.16}, {x, y - 0.12, z + 0.13}};
+  const dvec3 spout[] = {
+      {x, y, z}, {x, y, z + 0.12}, {x, y - 0.03, z + 0.16}, {x, y - 0.1, z + 0.16}, {x, y - 0.12, z + 0.13}};
   s.paint(kChrome).tube(spout, 0.011, s.steps(9, 4));
   s.cylinder({x + 0.05, y, z}, {x + 0.05, y, z + 0.05}, 0.014, s.steps(9, 4));
 }
 
 Mesh wash_basin(double quality) {
   Sculptor s(quality);
-  const glm::dvec2 bowl[] = {{0, 0.68}, {0.1, 0.69}, {0.2, 0.76}, {0.25, 0.85}, {0.25, 0.87}, {0.21, 0.87}, {0.17, 0.8}, {0, 0.74}};
+  const glm::dvec2 bowl[] = {{0, 0.68},    {0.1, 0.69},  {0.2, 0.76}, {0.25, 0.85},
+                             {0.25, 0.87}, {0.21, 0.87}, {0.17, 0.8}, {0, 0.74}};
   s.paint(kCeramic).stand(moved({0, -0.24, 0})).lathe(bowl, false, s.steps(22, 6));
   s.stand().rounded_box({-0.2, -0.06, 0.75}, {0.2, 0, 0.87}, 0.015, s.steps(1, 0));
   add_tap(s, 0, -0.035, 0.87);
@@ -168,12 +184,15 @@ Mesh kitchen_unit(const Kitchen& p, double quality) {
     for (const bool upper : {false, true}) {
       const double y = upper ? -0.33 : -0.58, z0 = upper ? 1.46 : 0.11, z1 = upper ? 2.09 : 0.86;
       s.paint(p.doors).rounded_box({x + 0.004, y - 0.02, z0}, {x + 0.596, y - 0.0001, z1}, 0.005, s.steps(1, 0));
-      s.paint(kChrome).cylinder({x + 0.2, y - 0.04, upper ? z0 + 0.05 : z1 - 0.06}, {x + 0.4, y - 0.04, upper ? z0 + 0.05 : z1 - 0.06}, 0.006, s.steps(7, 4));
+      s.paint(kChrome).cylinder({x + 0.2, y - 0.04, upper ? z0 + 0.05 : z1 - 0.06},
+                                {x + 0.4, y - 0.04, upper ? z0 + 0.05 : z1 - 0.06}, 0.006, s.steps(7, 4));
     }
   }
-  const glm::dvec2 outer[] = {{-half - 0.01, -0.62}, {half + 0.01, -0.62}, {half + 0.01, -0.001}, {-half - 0.01, -0.001}};
+  const glm::dvec2 outer[] = {
+      {-half - 0.01, -0.62}, {half + 0.01, -0.62}, {half + 0.01, -0.001}, {-half - 0.01, -0.001}};
   const double sx = -half + 0.7;
-  const std::vector<std::vector<glm::dvec2>> hole{{{sx - 0.25, -0.52}, {sx - 0.25, -0.15}, {sx + 0.25, -0.15}, {sx + 0.25, -0.52}}};
+  const std::vector<std::vector<glm::dvec2>> hole{
+      {{sx - 0.25, -0.52}, {sx - 0.25, -0.15}, {sx + 0.25, -0.15}, {sx + 0.25, -0.52}}};
   s.paint(p.top).extrude(outer, hole, 0.8701, 0.91);
   s.paint(kSteel).box({sx - 0.249, -0.519, 0.8702}, {sx + 0.249, -0.151, 0.873});
   add_tap(s, sx, -0.08, 0.91);
@@ -193,7 +212,8 @@ Mesh fridge(double quality) {
 Mesh water_cooler(double quality) {
   Sculptor s(quality);
   s.paint(kOffWhite).rounded_box({-0.16, -0.16, 0}, {0.16, 0.16, 0.98}, 0.02, s.steps(2, 1));
-  const glm::dvec2 bottle[] = {{0, 0}, {0.04, 0}, {0.05, 0.06}, {0.13, 0.13}, {0.135, 0.2}, {0.128, 0.22}, {0.135, 0.24}, {0.135, 0.38}, {0.12, 0.41}, {0, 0.415}};
+  const glm::dvec2 bottle[] = {{0, 0},        {0.04, 0},     {0.05, 0.06},  {0.13, 0.13}, {0.135, 0.2},
+                               {0.128, 0.22}, {0.135, 0.24}, {0.135, 0.38}, {0.12, 0.41}, {0, 0.415}};
   s.stand(moved({0, 0, 0.98})).paint(rgb(0x8fc3e0)).lathe(bottle, false, s.steps(22, 7));
   s.stand().paint(kGraphite).box({-0.1, -0.162, 0.6}, {0.1, -0.1601, 0.85});
   s.paint(kNavy).cylinder({-0.05, -0.19, 0.76}, {-0.05, -0.16, 0.76}, 0.015, s.steps(8, 4));
@@ -203,7 +223,8 @@ Mesh water_cooler(double quality) {
 
 Mesh extinguisher(double quality) {
   Sculptor s(quality);
-  const glm::dvec2 body[] = {{0, -0.25}, {0.07, -0.25}, {0.078, -0.235}, {0.078, 0.14}, {0.06, 0.19}, {0.025, 0.21}, {0.02, 0.25}, {0, 0.25}};
+  const glm::dvec2 body[] = {{0, -0.25},   {0.07, -0.25}, {0.078, -0.235}, {0.078, 0.14},
+                             {0.06, 0.19}, {0.025, 0.21}, {0.02, 0.25},    {0, 0.25}};
   s.stand(moved({0, -0.1, 0})).paint(rgb(0xc3272b)).lathe(body, false, s.steps(18, 6));
   s.stand().paint(kBlack).box({-0.015, -0.16, 0.25}, {0.015, -0.06, 0.28});
   const dvec3 hose[] = {{0.02, -0.1, 0.24}, {0.09, -0.1, 0.24}, {0.1, -0.1, 0.1}, {0.095, -0.1, -0.1}};
@@ -241,7 +262,8 @@ Mesh room_sign(glm::u8vec4 paint, double quality) {
 /// Two sliding leaves with their frame in a wall 0.2 m thick; gap: how far each leaf is open.
 Mesh lift_door(double gap_m, double quality) {
   Sculptor s(quality);
-  const glm::dvec2 casing[] = {{-0.65, 0.001}, {-0.54, 0.001}, {-0.54, 2.12}, {0.54, 2.12}, {0.54, 0.001}, {0.65, 0.001}, {0.65, 2.24}, {-0.65, 2.24}};
+  const glm::dvec2 casing[] = {{-0.65, 0.001}, {-0.54, 0.001}, {-0.54, 2.12}, {0.54, 2.12},
+                               {0.54, 0.001},  {0.65, 0.001},  {0.65, 2.24},  {-0.65, 2.24}};
   s.stand(turned_x(90)).paint(kDarkSteel).extrude(casing, {}, 0.1001, 0.13);
   s.stand().paint(kSteel);
   s.box({-0.54 - gap_m, 0.02, 0.005}, {-0.002 - gap_m, 0.05, 2.115});
@@ -257,7 +279,8 @@ Mesh lift_door(double gap_m, double quality) {
 Mesh lift_cabin(double quality) {
   Sculptor s(quality);
   s.paint(kSlate).box({-0.8, 0, -0.1}, {0.8, 1.5, -0.001});
-  s.paint(kSteel).box({-0.8, 1.46, 0}, {0.8, 1.5, 2.3}), s.box({-0.8, 0, 0}, {-0.76, 1.4599, 2.3}), s.box({0.76, 0, 0}, {0.8, 1.4599, 2.3});
+  s.paint(kSteel).box({-0.8, 1.46, 0}, {0.8, 1.5, 2.3}), s.box({-0.8, 0, 0}, {-0.76, 1.4599, 2.3}),
+      s.box({0.76, 0, 0}, {0.8, 1.4599, 2.3});
   s.paint(kWhite).box({-0.8, 0, 2.3001}, {0.8, 1.5, 2.36});
   s.paint(rgb(0xbfd3da)).box({-0.6, 1.452, 0.9}, {0.6, 1.4599, 2.1});
   s.paint(kChrome).cylinder({-0.7, 1.38, 0.9}, {0.7, 1.38, 0.9}, 0.02, s.steps(10, 5));
@@ -269,9 +292,16 @@ Mesh lift_cabin(double quality) {
 
 void add_fittings(FurnitureCatalogue& catalogue) {
   catalogue.add("door_leaf", "door",
-                each<DoorLeaf>(door_leaf, {{}, {.wood = kOak}, {.wood = kCherry}, {.wood = shaded(kTealCloth, 0.1), .window = true}, {.wood = kSlate, .window = true}}));
-  catalogue.add("door_handle", "door_handle", {[](double q) { return door_handle(kBrass, q); }, [](double q) { return door_handle(kChrome, q); }});
-  catalogue.add("door_frame", "door_frame", {[](double q) { return door_frame(1.0, 0.2, kOffWhite, q); }, [](double q) { return door_frame(1.0, 0.2, kWalnut, q); }});
+                each<DoorLeaf>(door_leaf, {{},
+                                           {.wood = kOak},
+                                           {.wood = kCherry},
+                                           {.wood = shaded(kTealCloth, 0.1), .window = true},
+                                           {.wood = kSlate, .window = true}}));
+  catalogue.add("door_handle", "door_handle",
+                {[](double q) { return door_handle(kBrass, q); }, [](double q) { return door_handle(kChrome, q); }});
+  catalogue.add("door_frame", "door_frame",
+                {[](double q) { return door_frame(1.0, 0.2, kOffWhite, q); },
+                 [](double q) { return door_frame(1.0, 0.2, kWalnut, q); }});
   catalogue.add("double_door_frame", "door_frame", {[](double q) { return door_frame(1.9, 0.2, kWalnut, q); }});
   catalogue.add("entrance_frame", "door_frame", {[](double q) { return door_frame(1.9, 0.4, kGraphite, q); }});
   catalogue.add("window", "window", each<Window>(window, {{}, {.width_m = 1.2}}));
@@ -285,8 +315,10 @@ void add_fittings(FurnitureCatalogue& catalogue) {
   catalogue.add("water_cooler", "machine", {[](double q) { return water_cooler(q); }});
   catalogue.add("extinguisher", "extinguisher", {[](double q) { return extinguisher(q); }});
   catalogue.add("exit_sign", "sign", {[](double q) { return exit_sign(q); }});
-  catalogue.add("room_sign", "sign", {[](double q) { return room_sign(kNavy, q); }, [](double q) { return room_sign(kRust, q); }});
-  catalogue.add("lift_door", "lift_door", {[](double q) { return lift_door(0, q); }, [](double q) { return lift_door(0.5, q); }});
+  catalogue.add("room_sign", "sign",
+                {[](double q) { return room_sign(kNavy, q); }, [](double q) { return room_sign(kRust, q); }});
+  catalogue.add("lift_door", "lift_door",
+                {[](double q) { return lift_door(0, q); }, [](double q) { return lift_door(0.5, q); }});
   catalogue.add("lift_cabin", "lift_cabin", {[](double q) { return lift_cabin(q); }});
 }
 

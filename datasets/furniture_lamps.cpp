@@ -17,7 +17,9 @@ using namespace palette;
 void add_shade(Sculptor& s, double rim_m, double neck_m, double height_m, double bell, uint32_t rings, uint32_t sides) {
   std::vector<glm::dvec2> profile;
   const double thick = 0.003;
-  const auto radius = [&](double u) { return neck_m + (rim_m - neck_m) * (bell * std::cos(glm::half_pi<double>() * u) + (1 - bell) * (1 - u)); };
+  const auto radius = [&](double u) {
+    return neck_m + (rim_m - neck_m) * (bell * std::cos(glm::half_pi<double>() * u) + (1 - bell) * (1 - u));
+  };
   for (uint32_t i = 0; i <= rings; ++i) profile.emplace_back(radius(double(i) / rings), height_m * i / rings);
   for (uint32_t i = rings + 1; i-- > 0;) profile.emplace_back(radius(double(i) / rings) - thick, height_m * i / rings);
   s.lathe(profile, true, sides);
@@ -33,7 +35,8 @@ struct DeskLamp {
 
 Mesh desk_lamp(const DeskLamp& p, double quality) {
   Sculptor s(quality);
-  const glm::dvec2 base[] = {{0, 0}, {0.09, 0}, {0.09, 0.008}, {0.082, 0.018}, {0.03, 0.024}, {0.018, 0.04}, {0, 0.042}};
+  const glm::dvec2 base[] = {{0, 0},        {0.09, 0},     {0.09, 0.008}, {0.082, 0.018},
+                             {0.03, 0.024}, {0.018, 0.04}, {0, 0.042}};
   s.paint(p.arm).lathe(base, false, s.steps(18, 6));
   const double a = glm::radians(p.lean_deg), b = glm::radians(p.bend_deg);
   const dvec3 foot(0, 0, 0.03), elbow = foot + p.lower_m * dvec3(0, std::sin(a), std::cos(a));
@@ -46,7 +49,7 @@ Mesh desk_lamp(const DeskLamp& p, double quality) {
   s.ellipsoid(head, dvec3(0.016), s.steps(10, 5), s.steps(6, 3));
   s.stand(moved(head - dvec3(0, 0.02, 0.1)) * turned_x(-12));
   s.paint(p.shade);
-  add_shade(s, p.rim_m, 0.024, 0.11, p.bell, s.steps(6, 2), s.steps(22, 7));
+  add_shade(s, p.rim_m, 0.024, 0.11, p.bell, s.steps(8, 3), s.steps(24, 13));
   s.paint(p.arm).cylinder({0, 0, 0.1}, {0, 0, 0.13}, 0.023, s.steps(12, 5));
   s.paint(kLight).ellipsoid({0, 0, 0.05}, {0.028, 0.028, 0.036}, s.steps(12, 5), s.steps(7, 3));
   return s.take();
@@ -83,6 +86,11 @@ Mesh ceiling_panel(const CeilingPanel& p, double quality) {
   Sculptor s(quality);
   const double l = p.length_m / 2, w = p.width_m / 2;
   s.paint(kWhite).box({-l, -w, -0.015}, {l, w, 0});
+  if (quality < kFineDetail) {  // a closed diffuser
+    s.box({-l, -w, -0.06}, {l, w, -0.0151});
+    s.paint(kLight).box({-l + 0.02, -w + 0.02, -0.064}, {l - 0.02, w - 0.02, -0.0601});
+    return s.take();
+  }
   for (const double side : {-1.0, 1.0}) {
     s.box({-l, side > 0 ? w - 0.015 : -w, -0.06}, {l, side > 0 ? w : -w + 0.015, -0.0151});
     s.box({side > 0 ? l - 0.015 : -l, -w + 0.0151, -0.06}, {side > 0 ? l : -l + 0.015, w - 0.0151, -0.0151});
@@ -120,14 +128,18 @@ Mesh pendant(const Pendant& p, double quality) {
 }  // namespace
 
 void add_lamps(FurnitureCatalogue& catalogue) {
-  catalogue.add("desk_lamp", "lamp",
-                each<DeskLamp>(desk_lamp, {{},
-                                           {.shade = kBrass, .arm = kBrass, .bend_deg = 60, .rim_m = 0.1, .bell = 0.5},
-                                           {.shade = kRust, .arm = kChrome, .lean_deg = 28, .bend_deg = 78},
-                                           {.shade = kBlack, .arm = kBlack, .lower_m = 0.36, .rim_m = 0.075, .bell = 1}}));
-  catalogue.add("floor_lamp", "lamp", each<FloorLamp>(floor_lamp, {{}, {.shade = kSand, .stem = kBrass, .neck_m = 0.2}}));
-  catalogue.add("ceiling_panel", "light", each<CeilingPanel>(ceiling_panel, {{}, {.length_m = 0.6, .width_m = 0.6, .louvres = 4}}));
-  catalogue.add("pendant", "light", each<Pendant>(pendant, {{}, {.shade = kTealCloth}, {.shade = kMustard, .rim_m = 0.3}}));
+  catalogue.add(
+      "desk_lamp", "lamp",
+      each<DeskLamp>(desk_lamp, {{},
+                                 {.shade = kBrass, .arm = kBrass, .bend_deg = 60, .rim_m = 0.1, .bell = 0.5},
+                                 {.shade = kRust, .arm = kChrome, .lean_deg = 28, .bend_deg = 78},
+                                 {.shade = kBlack, .arm = kBlack, .lower_m = 0.36, .rim_m = 0.075, .bell = 1}}));
+  catalogue.add("floor_lamp", "lamp",
+                each<FloorLamp>(floor_lamp, {{}, {.shade = kSand, .stem = kBrass, .neck_m = 0.2}}));
+  catalogue.add("ceiling_panel", "light",
+                each<CeilingPanel>(ceiling_panel, {{}, {.length_m = 0.6, .width_m = 0.6, .louvres = 4}}));
+  catalogue.add("pendant", "light",
+                each<Pendant>(pendant, {{}, {.shade = kTealCloth}, {.shade = kMustard, .rim_m = 0.3}}));
 }
 
 }  // namespace promenade

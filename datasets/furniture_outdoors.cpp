@@ -14,7 +14,8 @@ using namespace palette;
 
 Mesh street_lamp(double quality) {
   Sculptor s(quality);
-  const glm::dvec2 post[] = {{0, 0}, {0.14, 0}, {0.14, 0.06}, {0.07, 0.12}, {0.06, 0.7}, {0.045, 0.75}, {0.032, 3.9}, {0, 3.9}};
+  const glm::dvec2 post[] = {{0, 0},      {0.14, 0},     {0.14, 0.06}, {0.07, 0.12},
+                             {0.06, 0.7}, {0.045, 0.75}, {0.032, 3.9}, {0, 3.9}};
   s.paint(kGraphite).lathe(post, false, s.steps(14, 6));
   const glm::dvec2 hood[] = {{0, 4.28}, {0.26, 4.2}, {0.27, 4.22}, {0.1, 4.36}, {0.03, 4.4}, {0, 4.42}};
   s.lathe(hood, false, s.steps(22, 8));
@@ -68,7 +69,8 @@ Mesh mast(double quality) {
     const double z = 3.5 + 0.5 * i, reach = 0.9 - 0.12 * i;
     s.cylinder({-reach, 0, z}, {reach, 0, z}, 0.015, s.steps(6, 3));
   }
-  const glm::dvec2 dish[] = {{0, 0}, {0.2, 0.03}, {0.4, 0.12}, {0.55, 0.26}, {0.54, 0.28}, {0.38, 0.15}, {0.19, 0.06}, {0, 0.03}};
+  const glm::dvec2 dish[] = {{0, 0},       {0.2, 0.03},  {0.4, 0.12},  {0.55, 0.26},
+                             {0.54, 0.28}, {0.38, 0.15}, {0.19, 0.06}, {0, 0.03}};
   s.stand(moved({0, -0.1, 2.4}) * turned_x(60)).paint(kWhite).lathe(dish, false, s.steps(26, 8));
   return s.take();
 }
@@ -87,9 +89,12 @@ void add_outdoors(FurnitureCatalogue& catalogue) {
   catalogue.add("street_lamp", "street_lamp", {[](double q) { return street_lamp(q); }});
   catalogue.add("bollard", "bollard", {[](double q) { return bollard(q); }});
   catalogue.add("bicycle_stand", "bicycle_stand", {[](double q) { return bicycle_stand(q); }});
-  catalogue.add("air_handler", "air_handler", {[](double q) { return air_handler(3.2, q); }, [](double q) { return air_handler(4.6, q); }});
+  catalogue.add("air_handler", "air_handler",
+                {[](double q) { return air_handler(3.2, q); }, [](double q) { return air_handler(4.6, q); }});
   catalogue.add("mast", "mast", {[](double q) { return mast(q); }});
-  catalogue.add("pilaster", "pilaster", {[](double q) { return pilaster(rgb(0xd8cdb8), q); }, [](double q) { return pilaster(rgb(0xb4613f), q); }});
+  catalogue.add(
+      "pilaster", "pilaster",
+      {[](double q) { return pilaster(rgb(0xd8cdb8), q); }, [](double q) { return pilaster(rgb(0xb4613f), q); }});
 }
 
 }  // namespace promenade

@@ -29,8 +29,8 @@ struct Plant {
 
 void add_pot(Sculptor& s, const Plant& p) {
   const double r = p.pot_radius_m, h = p.pot_height_m;
-  const glm::dvec2 profile[] = {{0, 0},           {r * 0.7, 0},        {r * 0.92, h * 0.85}, {r, h * 0.86},
-                                {r, h},           {r * 0.88, h},       {r * 0.86, h * 0.9},  {0, h * 0.9}};
+  const glm::dvec2 profile[] = {{0, 0}, {r * 0.7, 0},  {r * 0.92, h * 0.85}, {r, h * 0.86},
+                                {r, h}, {r * 0.88, h}, {r * 0.86, h * 0.9},  {0, h * 0.9}};
   s.paint(p.pot).lathe(profile, false, s.steps(20, 6));
   s.paint(kSoil).cylinder({0, 0, h * 0.9}, {0, 0, h * 0.93}, r * 0.855, s.steps(20, 6));
 }
@@ -43,7 +43,8 @@ void add_leaf(Sculptor& s, const Plant& p, const dvec3& root, double heading, do
     const double u = double(i) / joints;
     side.push_back(across * (p.leaf_width_m / 2 * std::pow(std::sin(glm::pi<double>() * std::pow(u, 0.8)), 0.8)));
     const double angle = rise - p.droop * u;
-    if (i < joints) points.push_back(points.back() + (length / joints) * (out * std::cos(angle) + dvec3(0, 0, std::sin(angle))));
+    if (i < joints)
+      points.push_back(points.back() + (length / joints) * (out * std::cos(angle) + dvec3(0, 0, std::sin(angle))));
   }
   s.leaf(points, side, p.leaf_width_m * 0.06);
 }
@@ -54,7 +55,10 @@ Mesh plant(const Plant& p, double quality) {
   BuildingRandom random(p.seed * 7919);
   const double soil = p.pot_height_m * 0.92;
   if (p.stem_m > 0) {
-    const dvec3 trunk[] = {{0, 0, soil - 0.02}, {0.02, 0.01, soil + p.stem_m * 0.4}, {-0.015, 0.02, soil + p.stem_m * 0.75}, {0, 0, soil + p.stem_m}};
+    const dvec3 trunk[] = {{0, 0, soil - 0.02},
+                           {0.02, 0.01, soil + p.stem_m * 0.4},
+                           {-0.015, 0.02, soil + p.stem_m * 0.75},
+                           {0, 0, soil + p.stem_m}};
     s.paint(kBark).tube(trunk, 0.018, s.steps(8, 4));
   }
   // Fewer, wider leaves at low quality would change the plant's look; fewer leaves only thin it.
@@ -105,21 +109,84 @@ Mesh tree(const Tree& p, double quality) {
 }  // namespace
 
 void add_plants(FurnitureCatalogue& catalogue) {
-  catalogue.add(
-      "plant", "plant",
-      each<Plant>(plant,
-                  {{.leaves = 44, .seed = 1},
-                   {.leaf = kDarkLeaf, .pot = kWhite, .leaves = 26, .leaf_length_m = 0.8, .leaf_width_m = 0.07, .rise_deg = 84, .spread_deg = 8, .droop = 0.15, .seed = 2},
-                   {.leaf = kLime, .pot = kSlate, .stem_m = 0.75, .leaves = 110, .leaf_length_m = 0.13, .leaf_width_m = 0.06, .rise_deg = 10, .spread_deg = 45, .droop = 0.6, .crown_m = 0.3, .seed = 3},
-                   {.leaf = kLeaf, .pot = kWhite, .stem_m = 0.9, .leaves = 34, .leaf_length_m = 0.6, .leaf_width_m = 0.05, .rise_deg = 50, .spread_deg = 35, .droop = 2.0, .seed = 4},
-                   {.leaf = kDarkLeaf, .pot = kTerracotta, .leaves = 22, .leaf_length_m = 0.75, .leaf_width_m = 0.24, .rise_deg = 72, .spread_deg = 14, .droop = 1.4, .seed = 5},
-                   {.leaf = rgb(0x6f9a58), .pot = kBlack, .stem_m = 0.6, .leaves = 90, .leaf_length_m = 0.2, .leaf_width_m = 0.05, .rise_deg = 25, .spread_deg = 40, .droop = 0.9, .crown_m = 0.24, .seed = 6}}));
+  catalogue.add("plant", "plant",
+                each<Plant>(plant, {{.leaves = 44, .seed = 1},
+                                    {.leaf = kDarkLeaf,
+                                     .pot = kWhite,
+                                     .leaves = 26,
+                                     .leaf_length_m = 0.8,
+                                     .leaf_width_m = 0.07,
+                                     .rise_deg = 84,
+                                     .spread_deg = 8,
+                                     .droop = 0.15,
+                                     .seed = 2},
+                                    {.leaf = kLime,
+                                     .pot = kSlate,
+                                     .stem_m = 0.75,
+                                     .leaves = 110,
+                                     .leaf_length_m = 0.13,
+                                     .leaf_width_m = 0.06,
+                                     .rise_deg = 10,
+                                     .spread_deg = 45,
+                                     .droop = 0.6,
+                                     .crown_m = 0.3,
+                                     .seed = 3},
+                                    {.leaf = kLeaf,
+                                     .pot = kWhite,
+                                     .stem_m = 0.9,
+                                     .leaves = 34,
+                                     .leaf_length_m = 0.6,
+                                     .leaf_width_m = 0.05,
+                                     .rise_deg = 50,
+                                     .spread_deg = 35,
+                                     .droop = 2.0,
+                                     .seed = 4},
+                                    {.leaf = kDarkLeaf,
+                                     .pot = kTerracotta,
+                                     .leaves = 22,
+                                     .leaf_length_m = 0.75,
+                                     .leaf_width_m = 0.24,
+                                     .rise_deg = 72,
+                                     .spread_deg = 14,
+                                     .droop = 1.4,
+                                     .seed = 5},
+                                    {.leaf = rgb(0x6f9a58),
+                                     .pot = kBlack,
+                                     .stem_m = 0.6,
+                                     .leaves = 90,
+                                     .leaf_length_m = 0.2,
+                                     .leaf_width_m = 0.05,
+                                     .rise_deg = 25,
+                                     .spread_deg = 40,
+                                     .droop = 0.9,
+                                     .crown_m = 0.24,
+                                     .seed = 6}}));
   catalogue.add("desk_plant", "plant",
-                each<Plant>(plant, {{.leaf = kLime, .pot = kWhite, .pot_radius_m = 0.06, .pot_height_m = 0.1, .leaves = 18, .leaf_length_m = 0.16, .leaf_width_m = 0.03, .seed = 7},
-                                    {.leaf = kDarkLeaf, .pot = kMustard, .pot_radius_m = 0.055, .pot_height_m = 0.09, .leaves = 14, .leaf_length_m = 0.1, .leaf_width_m = 0.045, .rise_deg = 40, .droop = 0.5, .seed = 8}}));
+                each<Plant>(plant, {{.leaf = kLime,
+                                     .pot = kWhite,
+                                     .pot_radius_m = 0.06,
+                                     .pot_height_m = 0.1,
+                                     .leaves = 18,
+                                     .leaf_length_m = 0.16,
+                                     .leaf_width_m = 0.03,
+                                     .seed = 7},
+                                    {.leaf = kDarkLeaf,
+                                     .pot = kMustard,
+                                     .pot_radius_m = 0.055,
+                                     .pot_height_m = 0.09,
+                                     .leaves = 14,
+                                     .leaf_length_m = 0.1,
+                                     .leaf_width_m = 0.045,
+                                     .rise_deg = 40,
+                                     .droop = 0.5,
+                                     .seed = 8}}));
   catalogue.add("tree", "tree",
-                each<Tree>(tree, {{.seed = 1}, {.height_m = 9, .crown_m = 2.7, .leaf = kDarkLeaf, .blobs = 18, .seed = 2}, {.height_m = 6, .crown_m = 1.9, .leaf = kLime, .seed = 3}}));
-  catalogue.add("shrub", "plant", each<Tree>(tree, {{.height_m = 1.0, .crown_m = 0.62, .leaf = kDarkLeaf, .blobs = 7, .seed = 4}, {.height_m = 0.9, .crown_m = 0.55, .leaf = kLeaf, .blobs = 6, .seed = 5}}));
+                each<Tree>(tree, {{.seed = 1},
+                                  {.height_m = 9, .crown_m = 2.7, .leaf = kDarkLeaf, .blobs = 18, .seed = 2},
+                                  {.height_m = 6, .crown_m = 1.9, .leaf = kLime, .seed = 3}}));
+  catalogue.add("shrub", "plant",
+                each<Tree>(tree, {{.height_m = 1.0, .crown_m = 0.62, .leaf = kDarkLeaf, .blobs = 7, .seed = 4},
+                                  {.height_m = 0.9, .crown_m = 0.55, .leaf = kLeaf, .blobs = 6, .seed = 5}}));
 }
 
 }  // namespace promenade

@@ -24,7 +24,9 @@ struct OfficeChair {
 };
 
 void add_castor(Sculptor& s, const dvec3& hub) {
-  const uint32_t sides = s.steps(10, 5);
+  const uint32_t sides = s.steps(10, 4);
+  if (s.quality() < kFineDetail)
+    return s.cylinder(hub + dvec3(-0.02, 0, -0.03), hub + dvec3(0.02, 0, -0.03), 0.03, sides);
   s.cylinder(hub + dvec3(-0.022, 0, -0.03), hub + dvec3(-0.006, 0, -0.03), 0.03, sides);
   s.cylinder(hub + dvec3(0.006, 0, -0.03), hub + dvec3(0.022, 0, -0.03), 0.03, sides);
   s.cylinder(hub + dvec3(0, 0, -0.02), hub + dvec3(0, 0, 0.02), 0.006, s.steps(5, 3));
@@ -43,7 +45,7 @@ Mesh office_chair(const OfficeChair& p, double quality) {
   for (uint32_t i = 0; i < p.castors; ++i) {
     const double angle = 360.0 * i / p.castors + 90;
     s.stand(turned_z(angle));
-    s.cone({0.03, 0, 0.1}, {0.29, 0, 0.075}, 0.022, 0.012, s.steps(7, 4));
+    s.cone({0.03, 0, 0.1}, {0.29, 0, 0.075}, 0.022, 0.012, s.steps(7, 3));
     add_castor(s.stand(turned_z(angle) * moved({0.28, 0, 0.06})), {0, 0, 0});
   }
   s.stand();
@@ -105,7 +107,8 @@ Mesh stacking_chair(glm::u8vec4 shell, double quality) {
     s.cylinder({x * 1.1, 0.22, 0}, {x * 0.8, 0.16, 0.43}, 0.011, s.steps(6, 3));
   }
   s.paint(shell).rounded_box({-0.21, -0.21, 0.425}, {0.21, 0.19, 0.45}, 0.012, s.steps(1, 0));
-  s.stand(moved({0, 0.19, 0.44}) * turned_x(-10)).rounded_box({-0.2, -0.015, 0}, {0.2, 0.01, 0.38}, 0.012, s.steps(1, 0));
+  s.stand(moved({0, 0.19, 0.44}) * turned_x(-10))
+      .rounded_box({-0.2, -0.015, 0}, {0.2, 0.01, 0.38}, 0.012, s.steps(1, 0));
   return s.take();
 }
 
@@ -114,8 +117,8 @@ Mesh auditorium_seat(glm::u8vec4 fabric, double quality) {
   Sculptor s(quality);
   s.paint(kGraphite);
   for (const double x : {-0.25, 0.25}) {
-    s.box({x - 0.015, -0.2, 0}, {x + 0.015, 0.18, 0.04});
-    s.box({x - 0.015, -0.05, 0.04}, {x + 0.015, 0.12, 0.62});
+    if (quality >= kFineDetail) s.box({x - 0.015, -0.2, 0}, {x + 0.015, 0.18, 0.04});
+    s.box({x - 0.015, -0.05, 0.0001}, {x + 0.015, 0.12, 0.62});
     s.paint(kOak).rounded_box({x - 0.025, -0.19, 0.62}, {x + 0.025, 0.17, 0.65}, 0.012, s.steps(1, 0));
     s.paint(kGraphite);
   }
@@ -226,8 +229,9 @@ void add_seating(FurnitureCatalogue& catalogue) {
   catalogue.add("stool", "chair", stools);
   catalogue.add("sofa", "sofa", each<Sofa>(sofa, {{}, {.fabric = kMustard, .seats = 2}, {.fabric = kSlate}}));
   catalogue.add("armchair", "sofa", each<Sofa>(sofa, {{.fabric = kRust, .seats = 1}, {.fabric = kSage, .seats = 1}}));
-  catalogue.add("bench", "bench", {[](double q) { return bench(kOak, kDarkSteel, 1.5, q); },
-                                   [](double q) { return bench(kTeak, kGraphite, 1.8, q); }});
+  catalogue.add("bench", "bench",
+                {[](double q) { return bench(kOak, kDarkSteel, 1.5, q); },
+                 [](double q) { return bench(kTeak, kGraphite, 1.8, q); }});
 }
 
 }  // namespace promenade

@@ -20,6 +20,7 @@ Mesh pencil(glm::u8vec4 paint, double quality) {
   s.paint(paint).cylinder({-0.075, 0, z}, {0.07, 0, z}, r, 6);
   s.paint(kMaple).cone({0.07, 0, z}, {0.084, 0, z}, r, 0.0013, 6);
   s.paint(kBlack).cone({0.084, 0, z}, {0.09, 0, z}, 0.0013, 0, 6);
+  if (quality < kFineDetail) return s.take();
   s.paint(kBrass).cylinder({-0.083, 0, z}, {-0.075, 0, z}, 0.0042, s.steps(8, 4));
   s.paint(rgb(0xd98080)).cylinder({-0.092, 0, z}, {-0.083, 0, z}, 0.0036, s.steps(8, 4));
   return s.take();
@@ -30,7 +31,7 @@ Mesh pencil_cup(glm::u8vec4 paint, double quality) {
   const glm::dvec2 cup[] = {{0, 0}, {0.04, 0}, {0.042, 0.1}, {0.038, 0.1}, {0.036, 0.006}, {0, 0.006}};
   s.paint(paint).lathe(cup, false, s.steps(18, 6));
   const glm::u8vec4 colors[] = {kMustard, kRust, kNavy, kSage, kBlack};
-  for (int i = 0; i < 5; ++i) {
+  for (int i = 0; i < (quality < kFineDetail ? 3 : 5); ++i) {
     const double a = 1.2566 * i, x = std::cos(a), y = std::sin(a), length = 0.15 + 0.01 * i;
     const dvec3 foot(-0.015 * x, -0.015 * y, 0.008), top(0.034 * x, 0.034 * y, length);
     const dvec3 shoulder = foot + (top - foot) * 0.93;
@@ -42,7 +43,8 @@ Mesh pencil_cup(glm::u8vec4 paint, double quality) {
 
 Mesh mug(glm::u8vec4 paint, double quality) {
   Sculptor s(quality);
-  const glm::dvec2 wall[] = {{0, 0}, {0.034, 0}, {0.038, 0.004}, {0.04, 0.05}, {0.041, 0.09}, {0.0375, 0.09}, {0.0365, 0.075}, {0, 0.075}};
+  const glm::dvec2 wall[] = {{0, 0},        {0.034, 0},     {0.038, 0.004},  {0.04, 0.05},
+                             {0.041, 0.09}, {0.0375, 0.09}, {0.0365, 0.075}, {0, 0.075}};
   s.paint(paint).lathe(wall, false, s.steps(20, 6));
   s.paint(rgb(0x4a2c1a)).cylinder({0, 0, 0.0752}, {0, 0, 0.077}, 0.0363, s.steps(20, 6));
   std::vector<dvec3> handle;
@@ -80,8 +82,10 @@ struct Bin {
 Mesh waste_bin(const Bin& p, double quality) {
   Sculptor s(quality);
   const double r = p.rim_m, f = p.foot_m, h = p.height_m;
-  const glm::dvec2 profile[] = {{0, 0}, {f, 0}, {r, h - 0.015}, {r + 0.008, h - 0.015}, {r + 0.008, h}, {r - 0.004, h}, {f - 0.004, 0.01}, {0, 0.01}};
+  const glm::dvec2 profile[] = {{0, 0},         {f, 0},         {r, h - 0.015},    {r + 0.008, h - 0.015},
+                                {r + 0.008, h}, {r - 0.004, h}, {f - 0.004, 0.01}, {0, 0.01}};
   s.paint(p.paint).lathe(profile, false, s.steps(20, 6));
+  if (quality < 0.3) return s.take();
   s.paint(kPaper).ellipsoid({0.02, 0.01, 0.06}, {0.05, 0.04, 0.045}, s.steps(7, 4), s.steps(4, 3));
   s.ellipsoid({-0.04, -0.03, 0.05}, {0.04, 0.045, 0.04}, s.steps(7, 4), s.steps(4, 3));
   return s.take();
@@ -96,18 +100,21 @@ Mesh picture(uint32_t variant, double quality) {
   const bool upright = variant % 3 == 1;
   const double w = upright ? 0.27 : 0.42, h = upright ? 0.38 : 0.29, rim = 0.028;
   const glm::dvec2 outer[] = {{-w, -h}, {w, -h}, {w, h}, {-w, h}};
-  const std::vector<std::vector<glm::dvec2>> hole{{{-w + rim, -h + rim}, {-w + rim, h - rim}, {w - rim, h - rim}, {w - rim, -h + rim}}};
+  const std::vector<std::vector<glm::dvec2>> hole{
+      {{-w + rim, -h + rim}, {-w + rim, h - rim}, {w - rim, h - rim}, {w - rim, -h + rim}}};
   s.stand(turned_x(90)).paint(kFrames[variant % 4]).extrude(outer, hole, 0.001, 0.028);
   s.stand().paint(kPaper).box({-w + rim, -0.008, -h + rim}, {w - rim, -0.001, h - rim});
   const double iw = w - rim - 0.05, ih = h - rim - 0.05;
   double z = -ih;
   while (z < ih - 0.02) {
     const double next = std::min(ih, z + random.between(0.06, 0.2));
-    s.paint(shaded(kInks[random.below(8)], random.between(0, 0.35))).box({-iw, -0.0095, z}, {iw, -0.0081, next - 0.0001});
+    s.paint(shaded(kInks[random.below(8)], random.between(0, 0.35)))
+        .box({-iw, -0.0095, z}, {iw, -0.0081, next - 0.0001});
     z = next;
   }
-  for (int i = 0; i < 3; ++i) {
-    const double r = random.between(0.03, 0.09), x = random.between(-iw + r, iw - r), y = random.between(-ih + r, ih - r);
+  for (int i = 0; i < (quality < kFineDetail ? 1 : 3); ++i) {
+    const double r = random.between(0.03, 0.09), x = random.between(-iw + r, iw - r),
+                 y = random.between(-ih + r, ih - r);
     const double depth = 0.011 + 0.001 * i;
     s.paint(kInks[random.below(8)]).cylinder({x, -0.0096, y}, {x, -depth, y}, r, s.steps(20, 6));
   }
@@ -121,7 +128,8 @@ Mesh clock(double quality) {
   s.paint(kBlack).lathe(rim, true, s.steps(28, 8));
   s.paint(kWhite).cylinder({0, 0, 0}, {0, 0, 0.02}, 0.157, s.steps(28, 8));
   s.paint(kBlack);
-  for (int i = 0; i < 12; ++i) s.stand(turned_x(90) * turned_z(30 * i)).box({-0.005, 0.12, 0.0201}, {0.005, 0.145, 0.022});
+  for (int i = 0; i < 12; i += quality < kFineDetail ? 3 : 1)
+    s.stand(turned_x(90) * turned_z(30 * i)).box({-0.005, 0.12, 0.0201}, {0.005, 0.145, 0.022});
   s.stand(turned_x(90) * turned_z(50)).box({-0.006, -0.02, 0.0201}, {0.006, 0.09, 0.024});
   s.stand(turned_x(90) * turned_z(-70)).box({-0.004, -0.02, 0.0245}, {0.004, 0.13, 0.027});
   return s.take();
@@ -142,7 +150,8 @@ Mesh board(const Board& p, double quality) {
   s.paint(p.face).box({-w + 0.02, -0.018, -h + 0.02}, {w - 0.02, -0.001, h - 0.02});
   s.paint(p.rim);
   const glm::dvec2 outer[] = {{-w, -h}, {w, -h}, {w, h}, {-w, h}};
-  const std::vector<std::vector<glm::dvec2>> hole{{{-w + 0.02, -h + 0.02}, {-w + 0.02, h - 0.02}, {w - 0.02, h - 0.02}, {w - 0.02, -h + 0.02}}};
+  const std::vector<std::vector<glm::dvec2>> hole{
+      {{-w + 0.02, -h + 0.02}, {-w + 0.02, h - 0.02}, {w - 0.02, h - 0.02}, {w - 0.02, -h + 0.02}}};
   s.stand(turned_x(90)).extrude(outer, hole, 0.001, 0.026);
   s.stand();
   if (p.notes == 0) {
@@ -161,6 +170,7 @@ Mesh board(const Board& p, double quality) {
     s.paint(i % 3 == 1 ? shaded(kMustard, 0.5) : i % 3 == 2 ? shaded(kTealCloth, 0.6) : kPaper);
     const double nw = random.between(0.07, 0.11), nh = random.between(0.1, 0.17);
     s.box({-nw, -0.021, -nh}, {nw, -0.0185, nh});
+    if (quality < kFineDetail) continue;
     s.paint(kRust).ellipsoid({0, -0.022, nh - 0.02}, dvec3(0.008), s.steps(7, 4), s.steps(4, 3));
   }
   return s.take();
@@ -181,7 +191,9 @@ Mesh lectern(double quality) {
   Sculptor s(quality);
   s.paint(kWalnut).rounded_box({-0.3, -0.24, 0}, {0.3, 0.24, 0.05}, 0.01, s.steps(1, 0));
   s.box({-0.25, -0.02, 0.05}, {0.25, 0.2, 1.02});
-  s.paint(kOak).stand(moved({0, 0, 1.08}) * turned_x(15)).rounded_box({-0.32, -0.26, -0.02}, {0.32, 0.24, 0.02}, 0.01, s.steps(1, 0));
+  s.paint(kOak)
+      .stand(moved({0, 0, 1.08}) * turned_x(15))
+      .rounded_box({-0.32, -0.26, -0.02}, {0.32, 0.24, 0.02}, 0.01, s.steps(1, 0));
   s.box({-0.3, -0.26, 0.0201}, {0.3, -0.24, 0.04});
   const dvec3 neck[] = {{0.2, 0.18, 0.02}, {0.2, 0.16, 0.2}, {0.18, 0.1, 0.3}, {0.15, 0.02, 0.34}};
   s.paint(kBlack).tube(neck, 0.006, s.steps(6, 4));
@@ -191,12 +203,14 @@ Mesh lectern(double quality) {
 
 Mesh coat_stand(double quality) {
   Sculptor s(quality);
-  const glm::dvec2 foot[] = {{0, 0}, {0.19, 0}, {0.19, 0.02}, {0.03, 0.05}, {0.022, 0.06}, {0.018, 1.72}, {0.03, 1.75}, {0, 1.78}};
+  const glm::dvec2 foot[] = {{0, 0},        {0.19, 0},     {0.19, 0.02}, {0.03, 0.05},
+                             {0.022, 0.06}, {0.018, 1.72}, {0.03, 1.75}, {0, 1.78}};
   s.paint(kWalnut).lathe(foot, false, s.steps(18, 6));
   for (int i = 0; i < 6; ++i) {
     s.stand(turned_z(60 * i) * moved({0, 0, 1.55 + 0.09 * (i % 2)}));
     const dvec3 hook[] = {{0, 0, 0}, {0.09, 0, 0.01}, {0.14, 0, 0.05}, {0.15, 0, 0.11}};
     s.tube(hook, 0.009, s.steps(7, 4));
+    if (quality < kFineDetail) continue;
     s.ellipsoid({0.15, 0, 0.115}, dvec3(0.014), s.steps(8, 4), s.steps(5, 3));
   }
   return s.take();
@@ -227,7 +241,8 @@ void add_small_things(FurnitureCatalogue& catalogue) {
     pencils.emplace_back([c](double quality) { return pencil(c, quality); });
     mugs.emplace_back([c](double quality) { return mug(shaded(c, 0.15), quality); });
   }
-  for (const glm::u8vec4 c : {kBlack, kTealCloth}) cups.emplace_back([c](double quality) { return pencil_cup(c, quality); });
+  for (const glm::u8vec4 c : {kBlack, kTealCloth})
+    cups.emplace_back([c](double quality) { return pencil_cup(c, quality); });
   for (uint32_t i = 0; i < 12; ++i) pictures.emplace_back([i](double quality) { return picture(i, quality); });
   for (const uint32_t n : {1U, 4U, 9U}) stacks.emplace_back([n](double quality) { return papers(n, quality); });
   catalogue.add("pencil", "pencil", pencils);
@@ -235,12 +250,23 @@ void add_small_things(FurnitureCatalogue& catalogue) {
   catalogue.add("mug", "cup", mugs);
   catalogue.add("papers", "papers", stacks);
   catalogue.add("picture", "picture", pictures);
-  catalogue.add("waste_bin", "bin", each<Bin>(waste_bin, {{}, {.rim_m = 0.2, .foot_m = 0.18, .height_m = 0.65, .paint = kSteel}, {.paint = kSage}}));
+  catalogue.add(
+      "waste_bin", "bin",
+      each<Bin>(waste_bin, {{}, {.rim_m = 0.2, .foot_m = 0.18, .height_m = 0.65, .paint = kSteel}, {.paint = kSage}}));
   catalogue.add("clock", "clock", {[](double q) { return clock(q); }});
-  catalogue.add("whiteboard", "whiteboard", each<Board>(board, {{}, {.width_m = 2.8, .height_m = 1.2, .seed = 2}, {.width_m = 1.2, .height_m = 0.9, .seed = 3}}));
-  catalogue.add("blackboard", "whiteboard", each<Board>(board, {{.width_m = 3.6, .height_m = 1.25, .face = rgb(0x2d4a3e), .rim = kOak, .seed = 4}}));
-  catalogue.add("notice_board", "notice_board", each<Board>(board, {{.width_m = 1.5, .height_m = 0.95, .face = rgb(0xc08f58), .rim = kOak, .notes = 10}, {.width_m = 1.5, .height_m = 0.95, .face = kSlate, .notes = 8, .seed = 5}}));
-  catalogue.add("projection_screen", "screen", {[](double q) { return projection_screen(2.2, 1.5, q); }, [](double q) { return projection_screen(5.2, 3.0, q); }});
+  catalogue.add(
+      "whiteboard", "whiteboard",
+      each<Board>(board,
+                  {{}, {.width_m = 2.8, .height_m = 1.2, .seed = 2}, {.width_m = 1.2, .height_m = 0.9, .seed = 3}}));
+  catalogue.add(
+      "blackboard", "whiteboard",
+      each<Board>(board, {{.width_m = 3.6, .height_m = 1.25, .face = rgb(0x2d4a3e), .rim = kOak, .seed = 4}}));
+  catalogue.add("notice_board", "notice_board",
+                each<Board>(board, {{.width_m = 1.5, .height_m = 0.95, .face = rgb(0xc08f58), .rim = kOak, .notes = 10},
+                                    {.width_m = 1.5, .height_m = 0.95, .face = kSlate, .notes = 8, .seed = 5}}));
+  catalogue.add("projection_screen", "screen",
+                {[](double q) { return projection_screen(2.2, 1.5, q); },
+                 [](double q) { return projection_screen(5.2, 3.0, q); }});
   catalogue.add("lectern", "lectern", {[](double q) { return lectern(q); }});
   catalogue.add("coat_stand", "coat_stand", {[](double q) { return coat_stand(q); }});
   catalogue.add("sculpture", "sculpture", {[](double q) { return sculpture(q); }});

@@ -52,11 +52,11 @@ struct Book {
 };
 
 Book book_parameters(uint32_t variant) {
-  static constexpr std::array<glm::u8vec4, 8> kCovers = {kNavy, kWine,    kSage,  kMustard,
+  static constexpr std::array<glm::u8vec4, 8> kCovers = {kNavy, kWine,      kSage,  kMustard,
                                                          kRust, kTealCloth, kSlate, rgb(0x5a3d6b)};
   BuildingRandom random(0xb00c + variant);
   Book book{};
-  book.size = {random.between(0.018, 0.048), random.between(0.15, 0.21), random.between(0.19, 0.29)};
+  book.size = {random.between(0.024, 0.062), random.between(0.15, 0.21), random.between(0.19, 0.29)};
   book.cover = shaded(kCovers[variant % kCovers.size()], random.between(-0.25, 0.25));
   book.label = random.chance(0.5) ? kBrass : kPaper;
   book.banded = variant % 3 != 0;
@@ -67,6 +67,10 @@ Book book_parameters(uint32_t variant) {
 void add_book(Sculptor& s, const Book& b) {
   const double w = b.size.width_m / 2, d = b.size.depth_m, h = b.size.height_m;
   s.paint(b.cover);
+  if (s.quality() < kFineDetail) {  // a block whose head and tail show paper
+    const glm::dvec2 block[] = {{-w, 0}, {w, 0}, {w, d}, {-w, d}};
+    return s.extrude(block, {}, 0, h, &kPaper, &kPaper);
+  }
   s.box({-w, 0.004, 0}, {-w + 0.0025, d, h});
   s.box({w - 0.0025, 0.004, 0}, {w, d, h});
   std::vector<glm::dvec2> spine{{w, 0.006}};
@@ -79,7 +83,7 @@ void add_book(Sculptor& s, const Book& b) {
   std::reverse(spine.begin(), spine.end());
   s.extrude(spine, {}, 0, h);
   s.paint(kPaper).box({-w + 0.0026, 0.0061, 0.004}, {w - 0.0026, d - 0.005, h - 0.004});
-  if (b.banded && s.quality() > 0.55) {
+  if (b.banded) {
     s.paint(b.label).box({-w * 0.7, -0.0008, h * 0.62}, {w * 0.7, 0.0035, h * 0.78});
   }
 }
@@ -106,14 +110,15 @@ Mesh book_pile(uint32_t first, uint32_t count, double quality) {
   return s.take();
 }
 
-/// A run of books as wide as about half a board, the last one leaning.
+/// A run of books that fills most of a board, the last one leaning.
 Mesh book_run(uint32_t variant, double quality) {
   Sculptor s(quality);
   BuildingRandom random(0x5e1f + variant);
-  double x = -0.2;
+  double x = -kShelfInnerHalf_m;
+  const double end = random.between(0.05, 0.36);
   while (true) {
     const Book b = book_parameters(random.below(kBooks));
-    if (x + b.size.width_m > 0.16) break;
+    if (x + b.size.width_m > end - 0.06) break;
     s.stand(moved({x + b.size.width_m / 2, random.between(0, 0.012), 0}));
     add_book(s, b);
     x += b.size.width_m + 0.001;
@@ -140,7 +145,11 @@ Mesh filing_cabinet(const Cabinet& p, double quality) {
     const double z = 0.04 + i * step;
     s.paint(shaded(p.body, 0.12));
     s.rounded_box({-w + 0.012, -d, z}, {w - 0.012, -d + 0.019, z + step - 0.015}, 0.006, s.steps(1, 0));
-    const dvec3 handle[] = {{-0.07, -d + 0.01, z + step * 0.6}, {-0.07, -d - 0.022, z + step * 0.6}, {0.07, -d - 0.022, z + step * 0.6}, {0.07, -d + 0.01, z + step * 0.6}};
+    if (quality < 0.25) continue;
+    const dvec3 handle[] = {{-0.07, -d + 0.01, z + step * 0.6},
+                            {-0.07, -d - 0.022, z + step * 0.6},
+                            {0.07, -d - 0.022, z + step * 0.6},
+                            {0.07, -d + 0.01, z + step * 0.6}};
     s.paint(kChrome).tube(handle, 0.006, s.steps(6, 3));
     s.paint(kPaper).box({-0.045, -d - 0.003, z + step * 0.74}, {0.045, -d - 0.0005, z + step * 0.86});
   }
@@ -177,16 +186,20 @@ void add_storage(FurnitureCatalogue& catalogue) {
   catalogue.add("library_shelf", "bookshelf", each<Bookcase>(bookcase, {{kCherry, true}}));
   std::vector<std::function<Mesh(double)>> books, piles, runs;
   for (uint32_t i = 0; i < kBooks; ++i) books.emplace_back([i](double quality) { return book(i, quality); });
-  for (uint32_t i = 0; i < 4; ++i) piles.emplace_back([i](double quality) { return book_pile(5 * i, 2 + i % 3, quality); });
+  for (uint32_t i = 0; i < 4; ++i)
+    piles.emplace_back([i](double quality) { return book_pile(5 * i, 2 + i % 3, quality); });
   for (uint32_t i = 0; i < 10; ++i) runs.emplace_back([i](double quality) { return book_run(i, quality); });
   catalogue.add("book", "book", books);
   catalogue.add("book_pile", "books", piles);
   catalogue.add("book_run", "books", runs);
-  catalogue.add("filing_cabinet", "cabinet",
-                each<Cabinet>(filing_cabinet, {{}, {.height_m = 0.72, .drawers = 2, .body = kGraphite}, {.body = kSand}}));
-  catalogue.add("cardboard_box", "box", {[](double q) { return cardboard_box(kCardboard, 0.4, 0.3, 0.28, q); },
-                                         [](double q) { return cardboard_box(kOffWhite, 0.34, 0.32, 0.26, q); }});
-  catalogue.add("lockers", "cabinet", {[](double q) { return lockers(kTealCloth, q); }, [](double q) { return lockers(kRust, q); }});
+  catalogue.add(
+      "filing_cabinet", "cabinet",
+      each<Cabinet>(filing_cabinet, {{}, {.height_m = 0.72, .drawers = 2, .body = kGraphite}, {.body = kSand}}));
+  catalogue.add("cardboard_box", "box",
+                {[](double q) { return cardboard_box(kCardboard, 0.4, 0.3, 0.28, q); },
+                 [](double q) { return cardboard_box(kOffWhite, 0.34, 0.32, 0.26, q); }});
+  catalogue.add("lockers", "cabinet",
+                {[](double q) { return lockers(kTealCloth, q); }, [](double q) { return lockers(kRust, q); }});
 }
 
 }  // namespace promenade

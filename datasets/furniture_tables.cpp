@@ -31,8 +31,12 @@ void add_pedestal(Sculptor& s, const Desk& p) {
     s.paint(shaded(p.top, -0.05));
     s.rounded_box({x0 + 0.008, y0 - 0.018, z}, {x1 - 0.008, y0 - 0.001, z + height - 0.012}, 0.006, s.steps(1, 0));
     const double m = (x0 + x1) / 2, h = z + height - 0.06;
-    const dvec3 handle[] = {{m - 0.06, y0 - 0.015, h}, {m - 0.06, y0 - 0.04, h}, {m + 0.06, y0 - 0.04, h}, {m + 0.06, y0 - 0.015, h}};
-    s.paint(kChrome).tube(handle, 0.005, s.steps(6, 3));
+    const dvec3 handle[] = {
+        {m - 0.06, y0 - 0.015, h}, {m - 0.06, y0 - 0.04, h}, {m + 0.06, y0 - 0.04, h}, {m + 0.06, y0 - 0.015, h}};
+    if (s.quality() < kFineDetail)
+      s.paint(kChrome).box({m - 0.06, y0 - 0.035, h - 0.005}, {m + 0.06, y0 - 0.0181, h + 0.005});
+    else
+      s.paint(kChrome).tube(handle, 0.005, s.steps(6, 3));
   }
 }
 
@@ -95,7 +99,7 @@ Mesh table(const Table& p, double quality) {
     const double x = p.columns == 1 ? 0 : -w * 0.6 + 1.2 * w * i / (p.columns - 1);
     const double foot = std::min(0.36, d * 0.75);
     s.stand(moved({x, 0, 0}));
-    const glm::dvec2 profile[] = {{0, 0},       {foot, 0},         {foot, 0.015},        {0.07, 0.04}, {0.05, 0.08},
+    const glm::dvec2 profile[] = {{0, 0},          {foot, 0},        {foot, 0.015},     {0.07, 0.04},  {0.05, 0.08},
                                   {0.05, h - 0.1}, {0.12, h - 0.04}, {0.12, h - 0.034}, {0, h - 0.034}};
     s.lathe(profile, false, s.steps(18, 6));
   }
@@ -137,30 +141,42 @@ Mesh counter(glm::u8vec4 front, glm::u8vec4 top, double length_m, double quality
 }  // namespace
 
 void add_tables(FurnitureCatalogue& catalogue) {
-  catalogue.add("desk", "desk", each<Desk>(desk, {{.top = kOak},
-                                                  {.top = kMaple, .body = kSteel},
-                                                  {.top = kWalnut, .body = kWalnut, .metal_legs = false},
-                                                  {.top = kCherry, .body = kCherry, .drawers = 2, .metal_legs = false},
-                                                  {.top = kWhite, .body = kGraphite}}));
+  catalogue.add("desk", "desk",
+                each<Desk>(desk, {{.top = kOak},
+                                  {.top = kMaple, .body = kSteel},
+                                  {.top = kWalnut, .body = kWalnut, .metal_legs = false},
+                                  {.top = kCherry, .body = kCherry, .drawers = 2, .metal_legs = false},
+                                  {.top = kWhite, .body = kGraphite}}));
   catalogue.add("lab_bench", "desk",
                 each<Desk>(desk, {{.width_m = 1.5, .depth_m = 0.75, .top = kOffWhite, .drawers = 0},
                                   {.width_m = 1.5, .depth_m = 0.75, .top = kBeech, .body = kSlate, .drawers = 0}}));
-  catalogue.add("class_table", "table", each<Table>(table, {{.width_m = 1.3, .depth_m = 0.5},
-                                                            {.width_m = 1.3, .depth_m = 0.5, .top = kOffWhite}}));
-  catalogue.add("reading_table", "table", each<Table>(table, {{.width_m = 1.8, .depth_m = 0.95, .top = kCherry, .legs = kWalnut},
-                                                              {.width_m = 1.8, .depth_m = 0.95, .top = kOak, .legs = kOak}}));
-  catalogue.add("conference_table", "table",
-                each<Table>(table, {{.width_m = 3.6, .depth_m = 1.3, .corner_m = 0.25, .top = kWalnut, .columns = 2},
-                                    {.width_m = 3.6, .depth_m = 1.4, .corner_m = 0.7, .top = kCherry, .columns = 2},
-                                    {.width_m = 3.6, .depth_m = 1.0, .corner_m = 0.08, .bulge_m = 0.2, .top = kMaple, .columns = 2}}));
-  catalogue.add("cafe_table", "table", each<Table>(table, {{.width_m = 0.8, .depth_m = 0.8, .corner_m = 0.4, .top = kWhite, .legs = kChrome, .columns = 1},
-                                                           {.width_m = 0.75, .depth_m = 0.75, .corner_m = 0.1, .top = kOak, .legs = kBlack, .columns = 1}}));
-  catalogue.add("coffee_table", "table",
-                each<Table>(table, {{.width_m = 1.1, .depth_m = 0.6, .height_m = 0.4, .corner_m = 0.1, .top = kOak, .legs = kBlack},
-                                    {.width_m = 0.9, .depth_m = 0.9, .height_m = 0.38, .corner_m = 0.45, .top = kWalnut, .columns = 1}}));
-  catalogue.add("printer_stand", "table", each<Table>(table, {{.width_m = 0.7, .depth_m = 0.6, .height_m = 0.66, .top = kOffWhite}}));
-  catalogue.add("counter", "desk", {[](double q) { return counter(kWalnut, kWhite, 3.0, q); },
-                                    [](double q) { return counter(kOak, kMaple, 2.4, q); }});
+  catalogue.add(
+      "class_table", "table",
+      each<Table>(table, {{.width_m = 1.3, .depth_m = 0.5}, {.width_m = 1.3, .depth_m = 0.5, .top = kOffWhite}}));
+  catalogue.add("reading_table", "table",
+                each<Table>(table, {{.width_m = 1.8, .depth_m = 0.95, .top = kCherry, .legs = kWalnut},
+                                    {.width_m = 1.8, .depth_m = 0.95, .top = kOak, .legs = kOak}}));
+  catalogue.add(
+      "conference_table", "table",
+      each<Table>(table,
+                  {{.width_m = 3.6, .depth_m = 1.3, .corner_m = 0.25, .top = kWalnut, .columns = 2},
+                   {.width_m = 3.6, .depth_m = 1.4, .corner_m = 0.7, .top = kCherry, .columns = 2},
+                   {.width_m = 3.6, .depth_m = 1.0, .corner_m = 0.08, .bulge_m = 0.2, .top = kMaple, .columns = 2}}));
+  catalogue.add(
+      "cafe_table", "table",
+      each<Table>(table,
+                  {{.width_m = 0.8, .depth_m = 0.8, .corner_m = 0.4, .top = kWhite, .legs = kChrome, .columns = 1},
+                   {.width_m = 0.75, .depth_m = 0.75, .corner_m = 0.1, .top = kOak, .legs = kBlack, .columns = 1}}));
+  catalogue.add(
+      "coffee_table", "table",
+      each<Table>(
+          table, {{.width_m = 1.1, .depth_m = 0.6, .height_m = 0.4, .corner_m = 0.1, .top = kOak, .legs = kBlack},
+                  {.width_m = 0.9, .depth_m = 0.9, .height_m = 0.38, .corner_m = 0.45, .top = kWalnut, .columns = 1}}));
+  catalogue.add("printer_stand", "table",
+                each<Table>(table, {{.width_m = 0.7, .depth_m = 0.6, .height_m = 0.66, .top = kOffWhite}}));
+  catalogue.add("counter", "desk",
+                {[](double q) { return counter(kWalnut, kWhite, 3.0, q); },
+                 [](double q) { return counter(kOak, kMaple, 2.4, q); }});
 }
 
 }  // namespace promenade

@@ -8,6 +8,9 @@
 
 namespace promenade {
 
+/// Details smaller than a thumb (screws, pins, single keys) are there from this quality on.
+constexpr double kFineDetail = 0.5;
+
 /// A builder for each set of parameters.
 template <class Parameters>
 std::vector<std::function<Mesh(double)>> each(Mesh (*build)(const Parameters&, double),

@@ -80,18 +80,21 @@ void bridge(Loop& loop, std::span<const std::vector<glm::dvec2>> holes, uint32_t
   loop.order.insert(loop.order.begin() + static_cast<std::ptrdiff_t>(at) + 1, tour.begin(), tour.end());
 }
 
-bool is_ear(const Loop& loop, size_t i) {
+/// How round the triangle at corner i is if that can be cut off; 0 if not. The roundest ear goes first, so that corners
+/// on one line find partners off it as long as there are any.
+double ear_roundness(const Loop& loop, size_t i) {
   const size_t n = loop.order.size();
   const glm::dvec2& a = loop.points[loop.order[(i + n - 1) % n]];
   const glm::dvec2& b = loop.points[loop.order[i]];
   const glm::dvec2& c = loop.points[loop.order[(i + 1) % n]];
-  if (cross2(b - a, c - b) <= 1e-12) return false;
+  const double area = cross2(b - a, c - b);
+  if (area <= 1e-12) return 0;
   for (size_t k = 0; k < n; ++k) {
     const glm::dvec2& p = loop.points[loop.order[k]];
     if (p == a || p == b || p == c) continue;
-    if (cross2(b - a, p - a) >= 0 && cross2(c - b, p - b) >= 0 && cross2(a - c, p - c) >= 0) return false;
+    if (cross2(b - a, p - a) >= 0 && cross2(c - b, p - b) >= 0 && cross2(a - c, p - c) >= 0) return 0;
   }
-  return true;
+  return area / std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
 }
 
 /// A frame whose z axis is `axis` (unit).
@@ -150,8 +153,12 @@ std::vector<uint32_t> triangulate(std::span<const glm::dvec2> outer, std::span<c
   std::vector<uint32_t> triangles;
   while (loop.order.size() >= 3) {
     const size_t n = loop.order.size();
-    size_t ear = 0;
-    while (ear < n && !is_ear(loop, ear)) ++ear;
+    size_t ear = n;
+    double best = 0;
+    for (size_t i = 0; i < n; ++i) {
+      const double roundness = ear_roundness(loop, i);
+      if (roundness > best) best = roundness, ear = i;
+    }
     if (ear == n) break;  // only corners on one line are left
     for (const size_t corner : {(ear + n - 1) % n, ear, (ear + 1) % n}) triangles.push_back(loop.order[corner]);
     loop.order.erase(loop.order.begin() + static_cast<std::ptrdiff_t>(ear));
@@ -203,7 +210,8 @@ void Sculptor::box(const glm::dvec3& min, const glm::dvec3& max) {
   const auto corner = [&](int i) {
     return glm::dvec3((i & 1) != 0 ? max.x : min.x, (i & 2) != 0 ? max.y : min.y, (i & 4) != 0 ? max.z : min.z);
   };
-  static constexpr int kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  static constexpr int kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                       {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
   for (const auto& face : kFaces) flat_quad(corner(face[0]), corner(face[1]), corner(face[2]), corner(face[3]));
 }
 
@@ -217,7 +225,7 @@ void Sculptor::rounded_box(const glm::dvec3& min, const glm::dvec3& max, double 
   const auto first = static_cast<uint32_t>(mesh_.positions.size());
   for (uint32_t ring = 0; ring < 2 * (arc + 1); ++ring) {
     const bool top = ring > arc;
-    const uint32_t latitude = top ? ring - 1 : ring;  // of 2 arc; the equator is there twice
+    const uint32_t latitude = top ? ring - 1 : ring;                       // of 2 arc; the equator is there twice
     const glm::dvec2 lift = unit[(4 * arc - arc + latitude) % (4 * arc)];  // from -90 to 90 degrees
     for (uint32_t k = 0; k < per_ring; ++k) {
       const uint32_t quarter = k / (arc + 1);
@@ -267,7 +275,8 @@ void Sculptor::lathe(std::span<const glm::dvec2> profile, bool ring, uint32_t si
   }
 }
 
-void Sculptor::cone(const glm::dvec3& from, const glm::dvec3& to, double radius_from, double radius_to, uint32_t sides) {
+void Sculptor::cone(const glm::dvec3& from, const glm::dvec3& to, double radius_from, double radius_to,
+                    uint32_t sides) {
   const double length = glm::length(to - from);
   const glm::dmat4 before = frame_;
   glm::dmat4 local(frame_along((to - from) / length));
@@ -378,7 +387,8 @@ void Sculptor::leaf(std::span<const glm::dvec3> points, std::span<const glm::dve
     std::vector<uint32_t> left(n), rib(n), right(n);
     for (size_t i = 0; i < n; ++i) {
       const bool tip = i == 0 || i + 1 == n;
-      const glm::dvec3 half = tip ? glm::dvec3(0) : side[i], bulge = tip ? glm::dvec3(0) : up[i] * (thickness * face / 2);
+      const glm::dvec3 half = tip ? glm::dvec3(0) : side[i],
+                       bulge = tip ? glm::dvec3(0) : up[i] * (thickness * face / 2);
       left[i] = vertex(points[i] - half, up[i] * face);
       rib[i] = vertex(points[i] + bulge, up[i] * face);
       right[i] = vertex(points[i] + half, up[i] * face);

@@ -23,9 +23,9 @@ glm::dmat4 moved(const glm::dvec3& by);
 glm::dmat4 turned_z(double degrees);
 glm::dmat4 turned_x(double degrees);
 
-/// Triangles (three corners each, counter-clockwise) of a simple polygon with holes, without new points. Corner i < outer.size() is
-/// outer[i], those after it are the holes' in order. outer is counter-clockwise, holes clockwise, and no two of them
-/// touch. Ear clipping after bridging the holes: quadratic, for some hundred corners.
+/// Triangles (three corners each, counter-clockwise) of a simple polygon with holes, without new points. Corner i <
+/// outer.size() is outer[i], those after it are the holes' in order. outer is counter-clockwise, holes clockwise, and
+/// no two of them touch. Ear clipping after bridging the holes: cubic, for up to a hundred corners.
 std::vector<uint32_t> triangulate(std::span<const glm::dvec2> outer, std::span<const std::vector<glm::dvec2>> holes);
 
 /// Grows one mesh with normals and colours out of parts. Each part is a closed surface, outward wound, whose corners
@@ -55,7 +55,8 @@ class Sculptor {
   }
   void ellipsoid(const glm::dvec3& center, const glm::dvec3& radii, uint32_t sides, uint32_t rings);
   /// Turns (radius, z) points about the z axis. The profile runs upwards along the outside. Open, from axis to axis (a
-  /// solid), or a closed counter-clockwise loop away from the axis (a ring). Smooth where it bends less than 40 degrees.
+  /// solid), or a closed counter-clockwise loop away from the axis (a ring). Smooth where it bends less than 40
+  /// degrees.
   void lathe(std::span<const glm::dvec2> profile, bool ring, uint32_t sides);
   /// Sweeps a circle along points; capped flat at both ends. No two successive points are the same.
   void tube(std::span<const glm::dvec3> points, double radius, uint32_t sides);
@@ -63,8 +64,8 @@ class Sculptor {
   /// faces instead of the paint.
   void extrude(std::span<const glm::dvec2> outer, std::span<const std::vector<glm::dvec2>> holes, double z0, double z1,
                const glm::u8vec4* top = nullptr, const glm::u8vec4* bottom = nullptr);
-  /// A pointed leaf, `thickness` at its rib, along points; side[i] points from the rib to the right edge (its length is the half
-  /// width). The widths at both ends count as 0. At least 3 points.
+  /// A pointed leaf, `thickness` at its rib, along points; side[i] points from the rib to the right edge (its length is
+  /// the half width). The widths at both ends count as 0. At least 3 points.
   void leaf(std::span<const glm::dvec3> points, std::span<const glm::dvec3> side, double thickness);
 
   /// The mesh so far; the sculptor is empty after it.

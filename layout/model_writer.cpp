@@ -120,7 +120,7 @@ Status ModelWriter::State::publish() {
   const fs::path old = beside(path, ".old");
   const bool replaces = exists(path, *files);
   if (replaces) PROMENADE_TRY(rename(path, old, *files));
-  if (const Status status = rename(partial, path, *files); !status) {
+  if (Status status = rename(partial, path, *files); !status) {
     // The old model must not stay under its other name.
     if (replaces) PROMENADE_TRY(rename(old, path, *files));
     return status;

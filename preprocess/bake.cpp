@@ -20,6 +20,8 @@ namespace {
 
 constexpr float kReach = 0.75F;  // texels: how far outside its triangle a texel's centre may lie and still ask
 constexpr uint32_t kNone = 0xffffffffU;
+constexpr int kEdgeContrast = 24;      // of 255: what one look may be off without anyone seeing it
+constexpr float kClearWeight = 1e-3F;  // clear looks keep a say in the colour
 constexpr uint32_t kCells = 5;  // of bins of normals along a side of a cube; odd, so that axes are in the middle of one
 constexpr uint32_t kDirections = 6 * kCells * kCells;
 constexpr uint32_t kTwoSided = kDirections;          // added to the bin of a two-sided triangle
@@ -209,12 +211,41 @@ class Painter {
       put(place, i, surface_.seen_at(point_of(covers_[i])));
       painted.push_back(i);
     }
+    refine(chart, place, painted);
     spread(place, painted);
   }
 
  private:
   glm::u8vec4& texel(const AtlasPlace& place, uint32_t i) {
     return out_.atlas.at(place.x + i % place.width, place.y + i / place.width);
+  }
+
+  /// Texels that differ from a neighbour see an edge, which one look misses or overstates: they take the mean of four.
+  void refine(const Chart& chart, const AtlasPlace& place, const std::vector<uint32_t>& painted) {
+    std::vector<uint32_t> edges;
+    for (const uint32_t i : painted)
+      if (differs(place, i, i % place.width + 1 < place.width, i + 1) ||
+          differs(place, i, i % place.width > 0, i - 1) ||
+          differs(place, i, i + place.width < covers_.size(), i + place.width) ||
+          differs(place, i, i >= place.width, i - place.width))
+        edges.push_back(i);
+    const float quarter_m = static_cast<float>(layout_.texel_m) / 4;
+    for (const uint32_t i : edges) {
+      const glm::vec3 middle = point_of(covers_[i]);
+      glm::vec4 sum(0);
+      for (const glm::vec2& off : {glm::vec2(-1, -1), glm::vec2(1, -1), glm::vec2(-1, 1), glm::vec2(1, 1)}) {
+        const Light light = surface_.seen_at(middle + quarter_m * (off.x * chart.right + off.y * chart.down));
+        const float weight = light.a + kClearWeight;
+        sum += glm::vec4(glm::vec3(light) * weight, weight);
+      }
+      put(place, i, Light(glm::vec3(sum) / sum.a, sum.a / 4 - kClearWeight));
+    }
+  }
+
+  bool differs(const AtlasPlace& place, uint32_t i, bool inside, uint32_t other) {
+    if (!inside || covers_[other].triangle == kNone) return false;
+    const glm::ivec4 difference = glm::abs(glm::ivec4(texel(place, i)) - glm::ivec4(texel(place, other)));
+    return std::max({difference.r, difference.g, difference.b, difference.a}) > kEdgeContrast;
   }
 
   void put(const AtlasPlace& place, uint32_t i, const Light& light) {

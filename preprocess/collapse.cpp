@@ -15,6 +15,8 @@ constexpr uint32_t kNone = WorkMesh::kNone;
 /// The hub of a larger fan waits until its spokes have gone: looking at all its targets takes the square of their
 /// number.
 constexpr size_t kLargestFan = 64;
+/// The same when flips are allowed and little else is left.
+constexpr size_t kLargestFanAtLast = 512;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// A triangle may not turn further than this in one collapse.
 constexpr float kLeastTurnCosine = 0.2F;
@@ -102,9 +104,8 @@ void Collapser::find_lines(uint32_t place) {
   }
 }
 
-/// For all targets in the ring, four at a time.
+/// For all targets in the ring, which has been found, four at a time.
 void Collapser::estimate_ring(uint32_t place) {
-  find_ring(place);
   find_lines(place);
   const size_t groups = (ring_.size() + kLanes - 1) / kLanes;
   estimates_.resize(groups);
@@ -136,10 +137,16 @@ void Collapser::estimate_ring(uint32_t place) {
   }
 }
 
+/// Finds the ring, unless the place stays anyway.
+bool Collapser::may_go(uint32_t place) {
+  if (locked_[place] != 0) return false;
+  find_ring(place);
+  return fan_.size() <= (flips_allowed_ ? kLargestFanAtLast : kLargestFan);
+}
+
 float Collapser::estimate(uint32_t place) {
-  if (locked_[place] != 0) return kInfinity;
+  if (!may_go(place)) return kInfinity;
   estimate_ring(place);
-  if (fan_.size() > kLargestFan && !flips_allowed_) return kInfinity;
   float least = kInfinity;
   for (size_t i = 0; i < ring_.size(); ++i) least = std::min(least, estimates_[i / kLanes][i % kLanes]);
   return least;
@@ -147,7 +154,7 @@ float Collapser::estimate(uint32_t place) {
 
 Collapser::Choice Collapser::choose(uint32_t place, float limit_m) {
   Choice best;
-  if (locked_[place] != 0) return best;
+  if (!may_go(place)) return best;
   estimate_ring(place);
   choices_.clear();
   for (size_t i = 0; i < ring_.size(); ++i) choices_.push_back({ring_[i].place, estimates_[i / kLanes][i % kLanes]});

@@ -77,6 +77,7 @@ class Collapser {
 
   void find_ring(uint32_t place);
   void find_lines(uint32_t place);
+  bool may_go(uint32_t place);
   void estimate_ring(uint32_t place);
   bool is_sound(uint32_t place, uint32_t target) const;
   uint32_t find_twin(uint32_t corner, uint32_t target) const;

@@ -16,9 +16,10 @@ namespace promenade {
 enum class UpAxis : uint8_t { y, z };
 
 struct ImportOptions {
-  /// Metres per unit of the source. nullopt: what the format says (glTF: 1; CityJSON: 1; others: 1).
+  /// Metres per unit of the source. nullopt: what the format says (FBX, COLLADA, IFC: in the file; others: 1).
   std::optional<double> unit_m;
-  /// nullopt: what the format says (glTF: y; CityJSON: z; OBJ, 3DS, FBX...: y unless the file says otherwise; PLY: z).
+  /// nullopt: what the format says (glTF: y; CityJSON: z; OBJ, 3DS, FBX...: y unless the file says otherwise; PLY, STL,
+  /// OFF: z).
   std::optional<UpAxis> up;
   /// Vertices farther than this from the source's middle are taken for broken and dropped with their faces (counted).
   double max_extent_m = 1e7;

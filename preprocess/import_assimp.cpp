@@ -171,6 +171,12 @@ class AssimpConverter {
     out_.scene.meshes.push_back(builder.finish(offsets_.back()));
   }
 
+  /// assimp names IFC's products by class, name and id: "IfcWall_north wall_2O2Fr$t4X7Zf8NOew3FLKr".
+  static std::string class_of(const std::string& name) {
+    const size_t end = name.find('_');
+    return name.rfind("Ifc", 0) == 0 && end != std::string::npos ? name.substr(0, end) : std::string();
+  }
+
   void place(const aiNode& root) {
     struct Visit {
       const aiNode* node;
@@ -188,7 +194,7 @@ class AssimpConverter {
         placed[3] = world * glm::dvec4(offsets_[mesh], 1);
         std::string name = visit.node->mName.C_Str();
         if (name.empty()) name = from_.mMeshes[mesh]->mName.C_Str();
-        out_.scene.instances.push_back({mesh, placed, name, ""});
+        out_.scene.instances.push_back({mesh, placed, name, class_of(name)});
       }
       for (unsigned c = visit.node->mNumChildren; c-- > 0;) stack.push_back({visit.node->mChildren[c], world});
     }
@@ -212,7 +218,11 @@ Result<ReadScene> read_with_assimp(const fs::path& path, const std::string& name
     return Error{fmt::format("{}: cannot be read ({}); the file is cut off, broken or of another format", name,
                              why.substr(0, 200))};
   }
-  return AssimpConverter(*scene, path.parent_path()).convert();
+  ReadScene out = AssimpConverter(*scene, path.parent_path()).convert();
+  // These have no axes of their own, and who writes them (printing, surveying) thinks z up.
+  const std::string extension = path.extension().string();
+  if (extension == ".stl" || extension == ".STL" || extension == ".off" || extension == ".OFF") out.up = UpAxis::z;
+  return out;
 }
 
 }  // namespace

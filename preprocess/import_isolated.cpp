@@ -27,8 +27,16 @@ constexpr rlim_t kChildBytes = rlim_t(16) << 30;  // of address space; bounds ho
 constexpr size_t kPieceBytes = size_t(1) << 20;
 constexpr int kPollMs = 100;
 
+// Sanitizers' shadow memory takes terabytes of address space: with them it is not bounded. g++ defines macros, clang
+// has features.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kBoundAddressSpace = false;  // their shadow memory takes terabytes of it
+constexpr bool kBoundAddressSpace = false;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+constexpr bool kBoundAddressSpace = false;
+#else
+constexpr bool kBoundAddressSpace = true;
+#endif
 #else
 constexpr bool kBoundAddressSpace = true;
 #endif

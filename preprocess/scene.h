@@ -31,9 +31,10 @@ struct SceneInstance {
 
 /// What import found and mended. Names of counts are stable: they go into the manifest and --json.
 struct ImportReport {
-  /// Keys: triangles, vertices, instances, meshes, textures_missing, vertices_non_finite, vertices_out_of_range,
-  /// faces_degenerate, faces_duplicate, faces_non_planar, faces_reoriented, faces_dropped, ... A count of 0 may be
-  /// absent.
+  /// Keys: triangles (each instance's), triangles_unique, vertices, instances, meshes; textures_missing,
+  /// materials_missing, vertices_non_finite, vertices_out_of_range, attributes_non_finite, faces_degenerate,
+  /// faces_duplicate, faces_non_planar, faces_unclean (crossing themselves), faces_reoriented, faces_dropped,
+  /// instances_dropped, nodes_skipped, primitives_skipped, features_skipped. A count of 0 may be absent.
   std::map<std::string, uint64_t> counts;
   std::vector<std::string> warnings;  ///< one line each, e.g. "missing texture facade.png"
 };

@@ -11,15 +11,23 @@ namespace promenade {
 
 struct SimplifyOptions {
   uint32_t target_triangles = 2000;
-  /// Vertices that lie on these boxes' faces are borders to a neighbouring node: moved only as `free_borders` allows.
+  /// Vertices that lie on this box's faces are borders to a neighbouring node: moved only as `lock_borders` allows, and
+  /// along the faces rather than off them.
   Box cell;                  ///< the node's cell of the partition; empty: no borders
-  bool lock_borders = true;  ///< keep border vertices where they are while that leaves room under the target
+  bool lock_borders = true;  ///< keep border vertices where they are while they are at most a quarter of the target
 };
 
-/// Simplifies an arbitrary soup: disjoint parts, non-manifold edges, attribute seams, thin walls. The result is sound
-/// and has at most max(target, what cannot be removed) triangles: the target is always reached for a mesh with more, by
-/// removing whole small parts and by clustering if need be. Normals, colours, texture coordinates and materials of what
-/// remains are taken from the given mesh. Deterministic. Pure; any thread.
+/// Simplifies an arbitrary soup: disjoint parts, non-manifold edges, attribute seams, thin walls. A queue of edge
+/// collapses and removals of whole disjoint parts is worked off, cheapest first; both cost metres, measured by the
+/// points that they leave behind, so the largest distance grows as slowly as the queue can tell. How far the result is
+/// in the end, surface_distance says.
+///
+/// The target is always reached for a mesh with more: when nothing else is left borders are freed, then triangles may
+/// flip, then the smallest go. Positions are the mesh's own, bit by bit; normals, colours, texture coordinates and
+/// materials of what remains are taken from it, but a normal that would light the wrong side becomes its triangle's
+/// own. A mesh that is at the target already comes back as it is; else degenerate and repeated triangles go first, so
+/// that nothing remains of a mesh that has only degenerate ones. find_defect(mesh) empty. Deterministic. Pure; any
+/// thread.
 Mesh simplify(const Mesh& mesh, const SimplifyOptions& options);
 
 }  // namespace promenade

@@ -163,12 +163,6 @@ class Direction {
     // Every point of a triangle is within its longest edge / sqrt 3 of a corner.
     float bound = farthest + edge * 0.57735034F;
     if (bound <= measure_.good_enough()) return settle(bound);
-    for (const Found& candidate : near) {
-      float d2 = 0;
-      for (const glm::vec3& p : c) d2 = std::max(d2, tree_.distance2_to(candidate.triangle, p));
-      bound = std::min(bound, std::sqrt(d2));
-    }
-    if (bound <= measure_.good_enough()) return settle(bound);
     Piece piece;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::copy(c.begin(), c.end(), piece.corners.begin());
     piece.count = 3, piece.depth = 0, piece.hint = near[0].triangle, piece.bound = bound;

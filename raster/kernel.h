@@ -1,17 +1,17 @@
 #pragma once
-// What the compiled-three-times kernels and the rest of the room share: plain data only, no inline functions, so that no
-// code built for one processor can end up in another's path.
+// What the compiled-three-times kernels and the rest of the room share: plain data only, no inline functions, so that
+// no code built for one processor can end up in another's path.
 
 #include <cstdint>
 
 namespace promenade::raster_kernel {
 
-constexpr int32_t kSubpixel = 256;      ///< steps a pixel; vertices are rounded to them
-constexpr int32_t kTile = 8;            ///< a tile is 8 x 8 pixels: four blocks of 4 x 4, each row by row
+constexpr int32_t kSubpixel = 256;  ///< steps a pixel; vertices are rounded to them
+constexpr int32_t kTile = 8;        ///< a tile is 8 x 8 pixels: four blocks of 4 x 4, each row by row
 constexpr int32_t kTilePixels = 64;
 constexpr int32_t kBlockVertices = 64;  ///< a block of triangles uses at most so many: a table of four registers
 constexpr int32_t kBlockTriangles = 128;
-constexpr int32_t kLanePadding = 16;    ///< arrays of a block start at, and are filled up to, multiples of this
+constexpr int32_t kLanePadding = 16;  ///< arrays of a block start at, and are filled up to, multiples of this
 constexpr uint32_t kNoSurface = 0xffffffffU;
 constexpr uint32_t kMaxMipLevels = 16;
 
@@ -19,7 +19,8 @@ enum class Coverage : uint8_t { center, inner, outer };
 
 enum BlockFlag : uint8_t {
   block_two_sided = 1,
-  block_masked = 2,  ///< some of its surface is not there: textures with holes, or seen through
+  block_masked = 2,   ///< some of its surface is not there: textures with holes, or seen through
+  block_blended = 4,  ///< seen through
 };
 
 /// Up to 64 vertices and 128 triangles that lie close together and face alike.
@@ -36,7 +37,8 @@ struct Block {
 };
 
 /// A picture and its mip levels. A texel holds the square roots of linear red, green and blue in ten bits each, red
-/// lowest: finer than sRGB's eight, and made linear by one multiplication. Opacity, a byte a texel, apart.
+/// lowest: finer than sRGB's eight, and made linear by one multiplication. Opacity, a byte a texel, apart. A row has
+/// one texel more than the picture is wide, the first again: two neighbours are always one read.
 struct Texture {
   const int32_t* texels;
   const uint8_t* opacity;  ///< null: opaque
@@ -64,17 +66,18 @@ struct Item {
   // Attributes by the mesh's own numbering; shading and holes only.
   const float* positions;  ///< x y z
   const uint32_t* indices;
-  const float* normals;     ///< or null
-  const float* texcoords;   ///< or null
-  const uint32_t* colors;   ///< RGBA8, or null
+  const float* normals;       ///< or null
+  const float* texcoords;     ///< or null
+  const uint32_t* colors;     ///< RGBA8, or null
   const uint32_t* materials;  ///< or null
   const Surface* surfaces;
   uint32_t surface_count;
 
-  // view = rows x (p - eye); x and y are in sub-pixels a metre (perspective: a unit of slope), y downwards, w in metres.
+  // view = rows x (p - eye); x and y are in sub-pixels a metre (perspective: a unit of slope), y downwards, w in
+  // metres.
   float rows[3][3];
   float eye_hi[3], eye_lo[3];
-  float axis[3];        ///< view axis in the mesh's frame; orthographic facing only
+  float axis[3];            ///< view axis in the mesh's frame; orthographic facing only
   float model_rows[3][4];   ///< model space from the mesh's; shading only
   float normal_rows[3][3];  ///< model space's normals from the mesh's
   bool placed;              ///< model_rows is not the identity
@@ -83,7 +86,7 @@ struct Item {
 
 /// Where an item's box lies in the picture.
 struct BoxPicture {
-  float nearest_z;  ///< no pixel of it is nearer
+  float nearest_z;         ///< no pixel of it is nearer
   int32_t x0, y0, x1, y1;  ///< pixels, inclusive, not clamped to the picture
   bool culled;
   bool needs_clip;
@@ -100,11 +103,12 @@ struct Frame {
   bool orthographic;
   bool cull_hidden;
   bool cull_back;  ///< false: every mesh is drawn from both sides
+  bool draw_blended;
 };
 
 struct Counts {
-  uint64_t items_drawn, items_hidden, blocks_drawn, blocks_hidden, blocks_facing_away, triangles_set_up, triangles_drawn,
-      triangles_clipped;
+  uint64_t items_drawn, items_hidden, blocks_drawn, blocks_hidden, blocks_facing_away, triangles_set_up,
+      triangles_drawn, triangles_clipped;
 };
 
 /// A part of the picture that one thread owns, in tiles; hz and dirty have a row of `stride` a tile row.
@@ -127,10 +131,11 @@ struct Shading {
   float to_sun[3], sun[3], sky[3], ground[3];
   float ray_axis[3], ray_x[3], ray_y[3];  ///< view ray: axis + x ray_x + y ray_y, x and y in sub-pixels from the axis
   float zenith[3], horizon[3], below[3];
-  uint32_t plain;       ///< RGBA8 where nothing is, unless has_sky
+  uint32_t plain;  ///< RGBA8 where nothing is, unless has_sky
   bool has_sky;
   bool has_textures;
-  uint32_t* out;        ///< RGBA8, rows of the picture's width
+  bool orthographic;
+  uint32_t* out;  ///< RGBA8, rows of the picture's width
 };
 
 /// One processor's kernels.

@@ -2,8 +2,8 @@
 // namespace. Nothing here calls an inline function of a library: the linker would keep one copy of it, perhaps the one
 // built for a processor that this machine is not.
 //
-// Coordinates: vertices are rounded to 1/256 pixel; edge functions are integers, so that a pixel centre lies on one side
-// of a shared edge for both triangles, and the top-left rule gives it to exactly one. Depth is a plane through the
+// Coordinates: vertices are rounded to 1/256 pixel; edge functions are integers, so that a pixel centre lies on one
+// side of a shared edge for both triangles, and the top-left rule gives it to exactly one. Depth is a plane through the
 // unrounded vertices: 1/w (perspective) or -w (orthographic), larger is nearer, held within the triangle's own range.
 // A pixel keeps the nearest surface, among equals the smaller id: the picture does not depend on the order of drawing,
 // and a triangle is skipped only where it would lose.
@@ -70,7 +70,8 @@ void bound_in_front(const Frame& f, const float* xs, const float* ys, const floa
 
 /// Whether all eight corners lie outside one side of the view pyramid; for a box that reaches behind the near plane.
 bool beside_pyramid(const Frame& f, const float* xs, const float* ys, const float* ws) {
-  const float reach_x = static_cast<float>(f.axis_x + 2 * kSubpixel), reach_y = static_cast<float>(f.axis_y + 2 * kSubpixel);
+  const float reach_x = static_cast<float>(f.axis_x + 2 * kSubpixel),
+              reach_y = static_cast<float>(f.axis_y + 2 * kSubpixel);
   int left = 0, right = 0, above = 0, below = 0;
   for (int k = 0; k < 8; ++k) {
     const float q = f.orthographic ? 1.0F : ws[k];
@@ -194,8 +195,10 @@ PROMENADE_INLINE bool write_lanes(M inside, F z, uint32_t id, float* z_out, uint
   int32_t* ids = reinterpret_cast<int32_t*>(id_out);
   const I old_id = load(ids), new_id = splat(static_cast<int32_t>(id));
   M wins = not_behind & ((z > old) | less_unsigned(new_id, old_id));
-  if constexpr (kMasked) wins = mask_of(solid_lanes(*mask, bits(wins), x, y, z));
-  if (bits(wins) == 0) return false;
+  if constexpr (kMasked) {
+    wins = mask_of(solid_lanes(*mask, bits(wins), x, y, z));
+    if (bits(wins) == 0) return false;
+  }
   store(z_out, select(wins, z, old));
   store(ids, select(wins, new_id, old_id));
   return true;
@@ -249,8 +252,7 @@ PROMENADE_INLINE void draw_small(const Frame& f, Region& r, const Batch& s, int 
         const F y = splat(y_first) + (lane_y + splat(static_cast<float>(part * (kLanes / 4)))) * scale;
         M inside = min(min(e0, e1), e2) >= zero;
         if constexpr (C == Coverage::outer) inside = inside & within(rect, f, x, y);
-        if (bits(inside) == 0) continue;
-        const F z = depth_at<C>(plane, x, y);
+        const F z = depth_at<C>(plane, x, y);  // even where nothing is inside: one unforeseen branch less
         const Int64 p = at + part * kLanes;
         written |= write_lanes<kMasked>(inside, z, static_cast<uint32_t>(s.id[t]), f.z + p, f.id + p, mask, x, y);
       }
@@ -266,14 +268,15 @@ struct Corner {
 };
 
 struct EdgeSetup {
-  Int64 e[3];         ///< at the centre of the first pixel of the first tile, floor(e / 256)
+  Int64 e[3];          ///< at the centre of the first pixel of the first tile, floor(e / 256)
   int32_t a[3], b[3];  ///< change a pixel
 };
 
 /// Edge functions of a triangle with positive area; px, py: the pixel that e belongs to.
 template <Coverage C>
 PROMENADE_INLINE void set_up_edges(const Int64* x, const Int64* y, int32_t px, int32_t py, EdgeSetup& s) {
-  const Int64 cx = static_cast<Int64>(px) * kSubpixel + kSubpixel / 2, cy = static_cast<Int64>(py) * kSubpixel + kSubpixel / 2;
+  const Int64 cx = static_cast<Int64>(px) * kSubpixel + kSubpixel / 2,
+              cy = static_cast<Int64>(py) * kSubpixel + kSubpixel / 2;
   for (int i = 0; i < 3; ++i) {
     const int j = i == 2 ? 0 : i + 1;
     const Int64 a = y[i] - y[j], b = x[j] - x[i];
@@ -332,13 +335,19 @@ float nearest_in_tile(const Frame& f, const Plane& plane, int32_t tx, int32_t ty
 template <Coverage C, bool kMasked>
 void draw_large(const Frame& f, Region& r, const Int64* x, const Int64* y, const Plane& plane, uint32_t id,
                 const MaskTriangle* mask) {
-  const auto low = [](const Int64* v) { return v[0] < v[1] ? (v[0] < v[2] ? v[0] : v[2]) : (v[1] < v[2] ? v[1] : v[2]); };
-  const auto high = [](const Int64* v) { return v[0] > v[1] ? (v[0] > v[2] ? v[0] : v[2]) : (v[1] > v[2] ? v[1] : v[2]); };
-  constexpr int32_t kIn = C == Coverage::outer ? -2 : kSubpixel / 2 - 1, kOut = C == Coverage::outer ? -2 : kSubpixel / 2;
+  const auto low = [](const Int64* v) {
+    return v[0] < v[1] ? (v[0] < v[2] ? v[0] : v[2]) : (v[1] < v[2] ? v[1] : v[2]);
+  };
+  const auto high = [](const Int64* v) {
+    return v[0] > v[1] ? (v[0] > v[2] ? v[0] : v[2]) : (v[1] > v[2] ? v[1] : v[2]);
+  };
+  constexpr int32_t kIn = C == Coverage::outer ? -2 : kSubpixel / 2 - 1,
+                    kOut = C == Coverage::outer ? -2 : kSubpixel / 2;
   PixelRect rect = {static_cast<int32_t>((low(x) + kIn) >> 8), static_cast<int32_t>((low(y) + kIn) >> 8),
                     static_cast<int32_t>((high(x) - kOut) >> 8), static_cast<int32_t>((high(y) - kOut) >> 8)};
   rect.x0 = max_of(rect.x0, r.tx0 * kTile), rect.y0 = max_of(rect.y0, r.ty0 * kTile);
-  rect.x1 = min_of(rect.x1, min_of(r.tx1 * kTile, f.width) - 1), rect.y1 = min_of(rect.y1, min_of(r.ty1 * kTile, f.height) - 1);
+  rect.x1 = min_of(rect.x1, min_of(r.tx1 * kTile, f.width) - 1),
+  rect.y1 = min_of(rect.y1, min_of(r.ty1 * kTile, f.height) - 1);
   if (rect.x0 > rect.x1 || rect.y0 > rect.y1) return;
   const int32_t tx0 = rect.x0 >> 3, ty0 = rect.y0 >> 3, tx1 = rect.x1 >> 3, ty1 = rect.y1 >> 3;
   EdgeSetup s;
@@ -390,11 +399,17 @@ Plane plane_of(const Corner* c) {
     const float z = C == Coverage::outer ? z_max : z_min;
     return {0, 0, z, 0, 0, z_min, z_max};
   }
-  return {c[far].x, c[far].y, c[far].z, static_cast<float>((z1 * y2 - z2 * y1) / area),
-          static_cast<float>((x1 * z2 - x2 * z1) / area), z_min, z_max};
+  return {c[far].x,
+          c[far].y,
+          c[far].z,
+          static_cast<float>((z1 * y2 - z2 * y1) / area),
+          static_cast<float>((x1 * z2 - x2 * z1) / area),
+          z_min,
+          z_max};
 }
 
-/// One triangle by the long way. Corners in the mesh's order; `given`: a plane that is known better than the corners say.
+/// One triangle by the long way. Corners in the mesh's order; `given`: a plane that is known better than the corners
+/// say.
 template <Coverage C, bool kMasked>
 void draw_one(const Frame& f, Region& r, const Corner* corners, bool mirrored, bool two_sided, uint32_t id,
               const MaskTriangle* mask, const Plane* given) {
@@ -427,7 +442,9 @@ struct ClipPlane {
   double x, y, w, offset;  ///< inside: x x + y y + w w + offset >= 0
 };
 
-PROMENADE_INLINE double side_of(const ClipPlane& p, const ClipVertex& v) { return p.x * v.x + p.y * v.y + p.w * v.w + p.offset; }
+PROMENADE_INLINE double side_of(const ClipPlane& p, const ClipVertex& v) {
+  return p.x * v.x + p.y * v.y + p.w * v.w + p.offset;
+}
 
 /// Cuts a convex polygon. A new vertex goes from the inner to the outer one, so that both triangles of an edge get the
 /// same.
@@ -454,7 +471,8 @@ bool plane_in_view(const Frame& f, const ClipVertex* v, Plane& out) {
   const double d = nx * v[0].x + ny * v[0].y + nw * v[0].w;
   const double by_what = f.orthographic ? nw : d;
   const double size = __builtin_fabs(nx * v[0].x) + __builtin_fabs(ny * v[0].y) + __builtin_fabs(nw * v[0].w);
-  if (__builtin_fabs(by_what) <= 1e-12 * (f.orthographic ? __builtin_fabs(nx) + __builtin_fabs(ny) : size) || by_what == 0)
+  if (__builtin_fabs(by_what) <= 1e-12 * (f.orthographic ? __builtin_fabs(nx) + __builtin_fabs(ny) : size) ||
+      by_what == 0)
     return false;
   // Perspective: 1/w = (n . (x/w, y/w, 1)) / d. Orthographic: -w = (nx x + ny y - d) / nw.
   const double gx = nx / by_what, gy = ny / by_what, at_axis = f.orthographic ? -d / nw : nw / d;
@@ -470,8 +488,8 @@ Corner corner_of(const Frame& f, const ClipVertex& v) {
 }
 
 template <Coverage C, bool kMasked>
-void draw_clipped(const Frame& f, Region& r, const ViewPoint* points, const Corner* corners, bool mirrored, bool two_sided,
-                  uint32_t id, const MaskTriangle* mask) {
+void draw_clipped(const Frame& f, Region& r, const ViewPoint* points, const Corner* corners, bool mirrored,
+                  bool two_sided, uint32_t id, const MaskTriangle* mask) {
   ++r.counts.triangles_clipped;
   ClipVertex a[10], b[10];
   for (int i = 0; i < 3; ++i) a[i] = {points[i].x, points[i].y, points[i].w, true, corners[i]};
@@ -530,8 +548,10 @@ void transform_vertices(const Frame& f, const Item& item, const Block& block, bo
     if (needs_clip) {
       const I none = splat(0);
       I code = select(w < near, splat(int32_t(out_near)), none);
-      code = code | select(x < zero - gx, splat(int32_t(out_left)), none) | select(x > gx, splat(int32_t(out_right)), none);
-      code = code | select(y < zero - gy, splat(int32_t(out_above)), none) | select(y > gy, splat(int32_t(out_below)), none);
+      code = code | select(x < zero - gx, splat(int32_t(out_left)), none) |
+             select(x > gx, splat(int32_t(out_right)), none);
+      code = code | select(y < zero - gy, splat(int32_t(out_above)), none) |
+             select(y > gy, splat(int32_t(out_below)), none);
       store(v.code + i, as_float(code));
       x = max(min(x, gx), zero - gx), y = max(min(y, gy), zero - gy);
     }
@@ -555,10 +575,12 @@ PROMENADE_INLINE void exchange(M m, LaneCorner& a, LaneCorner& b) {
 
 /// Edge functions, depth planes and pixel rectangles of small triangles; returns the lanes that may cover a pixel.
 template <Coverage C>
-PROMENADE_INLINE uint32_t set_up_small(const Frame& f, const Region& r, LaneCorner* c, M lanes, bool two_sided, Batch& s) {
+PROMENADE_INLINE uint32_t set_up_small(const Frame& f, const Region& r, LaneCorner* c, M lanes, bool two_sided,
+                                       Batch& s) {
   const I x_low = min(min(c[0].ix, c[1].ix), c[2].ix), x_high = max(max(c[0].ix, c[1].ix), c[2].ix);
   const I y_low = min(min(c[0].iy, c[1].iy), c[2].iy), y_high = max(max(c[0].iy, c[1].iy), c[2].iy);
-  constexpr int32_t kIn = C == Coverage::outer ? -2 : kSubpixel / 2 - 1, kOut = C == Coverage::outer ? -2 : kSubpixel / 2;
+  constexpr int32_t kIn = C == Coverage::outer ? -2 : kSubpixel / 2 - 1,
+                    kOut = C == Coverage::outer ? -2 : kSubpixel / 2;
   const I px0 = max(shift_right<8>(x_low + splat(kIn)), splat(r.tx0 * kTile));
   const I py0 = max(shift_right<8>(y_low + splat(kIn)), splat(r.ty0 * kTile));
   const I px1 = min(shift_right<8>(x_high - splat(kOut)), splat(min_of(r.tx1 * kTile, f.width) - 1));
@@ -579,7 +601,8 @@ PROMENADE_INLINE uint32_t set_up_small(const Frame& f, const Region& r, LaneCorn
   if (left == 0) return 0;
   if (bits(turned) != 0) exchange(turned, c[1], c[2]);
 
-  const I block_x = shift_left<8>(px0 & splat(~3)) + splat(kSubpixel / 2), block_y = shift_left<8>(py0 & splat(~3)) + splat(kSubpixel / 2);
+  const I block_x = shift_left<8>(px0 & splat(~3)) + splat(kSubpixel / 2),
+          block_y = shift_left<8>(py0 & splat(~3)) + splat(kSubpixel / 2);
   for (int i = 0; i < 3; ++i) {
     const LaneCorner &p = c[i], &q = c[i == 2 ? 0 : i + 1];
     const I a = p.iy - q.iy, b = q.ix - p.ix;
@@ -617,8 +640,8 @@ PROMENADE_INLINE uint32_t set_up_small(const Frame& f, const Region& r, LaneCorn
 
 /// Triangles of a block that need the long way: large, or clipped.
 template <Coverage C, bool kMasked>
-void draw_long_way(const Frame& f, const Item& item, const Block& block, Region& r, const BlockVertices& v, uint32_t triangle,
-                   bool clipped, bool two_sided) {
+void draw_long_way(const Frame& f, const Item& item, const Block& block, Region& r, const BlockVertices& v,
+                   uint32_t triangle, bool clipped, bool two_sided) {
   const uint32_t at = block.first_triangle + triangle;
   const uint32_t id = item.first_id + item.triangle_of[at];
   MaskTriangle mask;
@@ -637,7 +660,9 @@ void draw_long_way(const Frame& f, const Item& item, const Block& block, Region&
 }
 
 template <Coverage C, bool kMasked>
-void draw_block(const Frame& f, const Item& item, const Block& block, Region& r, bool needs_clip) {
+void draw_block(const Frame& frame, const Item& item, const Block& block, Region& region, bool needs_clip) {
+  const Frame f = frame;  // copies: the compiler need not fear that pixels written change them
+  Region r = region;
   BlockVertices v;
   transform_vertices(f, item, block, needs_clip, v);
   const Table64 xs(v.x), ys(v.y), zs(v.z);
@@ -646,7 +671,8 @@ void draw_block(const Frame& f, const Item& item, const Block& block, Region& r,
   Batch s;
   for (uint32_t first = 0; first < block.triangle_count; first += kLanes) {
     const uint32_t at = block.first_triangle + first;
-    const I index[3] = {load(item.corners[order[0]] + at), load(item.corners[order[1]] + at), load(item.corners[order[2]] + at)};
+    const I index[3] = {load(item.corners[order[0]] + at), load(item.corners[order[1]] + at),
+                        load(item.corners[order[2]] + at)};
     const uint32_t left = block.triangle_count - first;
     uint32_t lanes = left >= uint32_t(kLanes) ? (1U << kLanes) - 1U : (1U << left) - 1U;
     uint32_t clipped = 0;
@@ -674,7 +700,8 @@ void draw_block(const Frame& f, const Item& item, const Block& block, Region& r,
     if (lanes == 0) continue;
     uint32_t small = set_up_small<C>(f, r, c, mask_of(lanes), two_sided, s);
     if (small == 0) continue;
-    const I ids = load(reinterpret_cast<const int32_t*>(item.triangle_of) + at) + splat(static_cast<int32_t>(item.first_id));
+    const I ids =
+        load(reinterpret_cast<const int32_t*>(item.triangle_of) + at) + splat(static_cast<int32_t>(item.first_id));
     store(s.id, ids);
     r.counts.triangles_drawn += static_cast<uint64_t>(__builtin_popcount(small));
     for (; small != 0; small &= small - 1) {
@@ -684,6 +711,7 @@ void draw_block(const Frame& f, const Item& item, const Block& block, Region& r,
       draw_small<C, kMasked>(f, r, s, t, &mask);
     }
   }
+  region.counts = r.counts;
 }
 
 /// True only if every triangle of the block, anywhere in its box, shows its back.
@@ -713,6 +741,7 @@ void draw_item(const Frame& f, const Item& item, const BoxPicture& item_box, Reg
       continue;
     }
     if (C == Coverage::inner && (block.flags & block_masked) != 0) continue;
+    if (!f.draw_blended && (block.flags & block_blended) != 0) continue;
     const BoxPicture box = project_box(f, item, block.box_center, block.box_half);
     if (box.culled || !may_be_seen(f, r, box)) {
       ++r.counts.blocks_hidden;
@@ -729,9 +758,12 @@ void draw_item(const Frame& f, const Item& item, const BoxPicture& item_box, Reg
 
 void draw(const Frame& f, const Item& item, const BoxPicture& item_box, Region& r, Coverage coverage) {
   switch (coverage) {
-    case Coverage::center: return draw_item<Coverage::center>(f, item, item_box, r);
-    case Coverage::inner: return draw_item<Coverage::inner>(f, item, item_box, r);
-    case Coverage::outer: return draw_item<Coverage::outer>(f, item, item_box, r);
+    case Coverage::center:
+      return draw_item<Coverage::center>(f, item, item_box, r);
+    case Coverage::inner:
+      return draw_item<Coverage::inner>(f, item, item_box, r);
+    case Coverage::outer:
+      return draw_item<Coverage::outer>(f, item, item_box, r);
   }
 }
 

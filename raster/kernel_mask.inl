@@ -1,6 +1,6 @@
-// Part of kernel.inl: surfaces that are not there everywhere. `mask` drops what is below the cut-off; `blend` drops a share
-// of the pixels by an 8 x 8 ordered pattern (a screen door), so that one surface a pixel is enough and nothing is sorted.
-// Reached only after a pixel has won its depth test, so that opaque triangles pay nothing.
+// Part of kernel.inl: surfaces that are not there everywhere. `mask` drops what is below the cut-off; `blend` drops a
+// share of the pixels by an 8 x 8 ordered pattern (a screen door), so that one surface a pixel is enough and nothing is
+// sorted. Reached only after a pixel has won its depth test, so that opaque triangles pay nothing.
 
 /// u / w and v / w over the picture, and how far apart neighbouring pixels lie in the texture.
 struct MaskTriangle {
@@ -64,7 +64,8 @@ void set_up_mask(const Frame& f, const Item& item, uint32_t triangle, MaskTriang
   float e1[3], e2[3], row = 0;
   for (int k = 0; k < 3; ++k)
     e1[k] = at[1][k] - at[0][k], e2[k] = at[2][k] - at[0][k], row += item.rows[0][k] * item.rows[0][k];
-  const float cx = e1[1] * e2[2] - e1[2] * e2[1], cy = e1[2] * e2[0] - e1[0] * e2[2], cz = e1[0] * e2[1] - e1[1] * e2[0];
+  const float cx = e1[1] * e2[2] - e1[2] * e2[1], cy = e1[2] * e2[0] - e1[0] * e2[2],
+              cz = e1[0] * e2[1] - e1[1] * e2[0];
   const float area = __builtin_sqrtf((cx * cx + cy * cy) + cz * cz);
   const double uv_area = (uv[0][1] - uv[0][0]) * (uv[1][2] - uv[1][0]) - (uv[0][2] - uv[0][0]) * (uv[1][1] - uv[1][0]);
   const float texels = static_cast<float>(__builtin_fabs(uv_area)) * static_cast<float>(surface.texture->width) *
@@ -73,8 +74,8 @@ void set_up_mask(const Frame& f, const Item& item, uint32_t triangle, MaskTriang
     m.texels_a_pixel = __builtin_sqrtf(texels / area) * static_cast<float>(kSubpixel) / __builtin_sqrtf(row);
 }
 
-/// A texel's column or row; t in units of the picture's size.
-PROMENADE_INLINE uint32_t wrapped_texel(float t, uint8_t wrap, uint32_t size) {
+/// The two neighbouring texels' columns or rows at t (in units of the picture's size) and the share of the second.
+PROMENADE_INLINE void neighbouring_texels(float t, uint8_t wrap, int32_t size, int32_t* texel, float& share) {
   t = max_of(-1e6F, min_of(1e6F, t));
   if (!(t == t)) t = 0;
   if (wrap == 2) {
@@ -85,10 +86,15 @@ PROMENADE_INLINE uint32_t wrapped_texel(float t, uint8_t wrap, uint32_t size) {
   } else {
     t = t - __builtin_floorf(t);
   }
-  const uint32_t i = static_cast<uint32_t>(t * static_cast<float>(size));
-  return i < size ? i : size - 1;
+  const float x = t * static_cast<float>(size) - 0.5F, whole = __builtin_floorf(x);
+  share = x - whole;
+  texel[0] = static_cast<int32_t>(whole), texel[1] = texel[0] + 1;
+  if (texel[0] < 0) texel[0] = wrap == 0 ? size - 1 : 0;
+  if (texel[1] >= size) texel[1] = wrap == 0 ? 0 : size - 1;
+  texel[0] = min_of(texel[0], size - 1);
 }
 
+/// Opacity at a point of the picture: bilinear, in the mip level whose texels are about as large as pixels.
 PROMENADE_INLINE float opacity_at(const MaskTriangle& m, float x, float y, float z) {
   const Surface& s = *m.surface;
   if (m.texels_a_pixel <= 0) return m.opacity;
@@ -99,15 +105,25 @@ PROMENADE_INLINE float opacity_at(const MaskTriangle& m, float x, float y, float
   const float footprint = max_of(1.0F, min_of(65536.0F, m.texels_a_pixel * w));
   uint32_t level = static_cast<uint32_t>(31 - __builtin_clz(static_cast<uint32_t>(footprint)));
   if (level >= t.levels) level = t.levels - 1;
-  const uint32_t width = t.width >> level == 0 ? 1 : t.width >> level, height = t.height >> level == 0 ? 1 : t.height >> level;
-  const uint32_t tx = wrapped_texel(u, s.wrap_u, width), ty = wrapped_texel(v, s.wrap_v, height);
-  return m.opacity * static_cast<float>(t.opacity[t.level_offset[level] + static_cast<uint64_t>(ty) * width + tx]) / 255.0F;
+  const int32_t width = max_of(1, static_cast<int32_t>(t.width >> level)),
+                height = max_of(1, static_cast<int32_t>(t.height >> level));
+  int32_t tx[2], ty[2];
+  float sx = 0, sy = 0;
+  neighbouring_texels(u, s.wrap_u, width, tx, sx);
+  neighbouring_texels(v, s.wrap_v, height, ty, sy);
+  const uint8_t* texels = t.opacity + t.level_offset[level];
+  const auto at = [&](int i, int j) {
+    return static_cast<float>(texels[static_cast<Int64>(ty[j]) * (width + 1) + tx[i]]);
+  };
+  const float top = at(0, 0) + (at(1, 0) - at(0, 0)) * sx, bottom = at(0, 1) + (at(1, 1) - at(0, 1)) * sx;
+  return m.opacity * (top + (bottom - top) * sy) / 255.0F;
 }
 
 /// Threshold of the screen door at a pixel, (0, 1): bits of x ^ y and y interleaved, the ordered dither of Bayer.
 PROMENADE_INLINE float door_threshold(uint32_t px, uint32_t py) {
   const uint32_t a = px ^ py;
-  const uint32_t rank = (a & 1U) << 5 | (py & 1U) << 4 | (a & 2U) << 2 | (py & 2U) << 1 | (a & 4U) >> 1 | (py & 4U) >> 2;
+  const uint32_t rank =
+      (a & 1U) << 5 | (py & 1U) << 4 | (a & 2U) << 2 | (py & 2U) << 1 | (a & 4U) >> 1 | (py & 4U) >> 2;
   return (static_cast<float>(rank) + 0.5F) / 64.0F;
 }
 

@@ -6,18 +6,36 @@
 struct TileTriangles {
   uint32_t id[kTilePixels];
   int32_t count;
-  alignas(64) float p[3][3][kTilePixels];      ///< corner, axis
+  alignas(64) float p[3][3][kTilePixels];  ///< corner, axis
   alignas(64) float normal[3][3][kTilePixels];
   alignas(64) float color[3][3][kTilePixels];  ///< linear, the material's included
   alignas(64) float uv[3][2][kTilePixels];
-  alignas(64) int32_t smooth[kTilePixels];     ///< 1: has normals
-  const Surface* surface[kTilePixels];
+  alignas(64) int32_t smooth[kTilePixels];  ///< 1: has normals
+  alignas(64) float texture[kTilePixels];   ///< which of `surfaces`; -1: none
+  const Surface* surfaces[kTilePixels];     ///< the distinct textured ones
+  int32_t surface_count;
+  bool varying;  ///< some triangle's lit colour may differ from corner to corner
 };
 
 enum Slot : int {
-  slot_u, slot_ux, slot_uy, slot_v, slot_vx, slot_vy,  // NOLINT: one attribute after the other
-  slot_zx, slot_zy, slot_z,
-  slot_r, slot_rx, slot_ry, slot_g, slot_gx, slot_gy, slot_b, slot_bx, slot_by,
+  slot_u,
+  slot_ux,
+  slot_uy,
+  slot_v,
+  slot_vx,
+  slot_vy,  // NOLINT: one attribute after the other
+  slot_zx,
+  slot_zy,
+  slot_z,
+  slot_r,
+  slot_rx,
+  slot_ry,
+  slot_g,
+  slot_gx,
+  slot_gy,
+  slot_b,
+  slot_bx,
+  slot_by,
   slot_count
 };
 
@@ -28,9 +46,19 @@ struct TileFunctions {
 
 /// Which distinct triangle each pixel of a tile shows; -1: none.
 void find_distinct(const Frame& f, const float* z, const uint32_t* id, TileTriangles& t, int32_t* which) {
+  t.count = 0;
+  const int32_t* ids = reinterpret_cast<const int32_t*>(id);
+  const I first = splat(ids[0]);
+  M same = mask_of((1U << kLanes) - 1U);
+  for (int i = 0; i < kTilePixels; i += kLanes)
+    same = same & equal(load(ids + i), first) & (load(z + i) > splat(f.clear_z));
+  if (bits(same) == (1U << kLanes) - 1U) {
+    for (int i = 0; i < kTilePixels; i += kLanes) store(which + i, splat(0));
+    t.id[t.count++] = id[0];
+    return;
+  }
   constexpr uint32_t kSlots = 128;
   uint8_t table[kSlots];
-  t.count = 0;
   bool table_ready = false;
   uint32_t last_id = kNoSurface;
   int32_t last = -1;
@@ -56,21 +84,48 @@ void find_distinct(const Frame& f, const float* z, const uint32_t* id, TileTrian
 PROMENADE_INLINE void to_model(const Item& item, float* p) {
   const float x = p[0], y = p[1], z = p[2];
   for (int i = 0; i < 3; ++i)
-    p[i] = (item.model_rows[i][0] * x + item.model_rows[i][1] * y) + (item.model_rows[i][2] * z + item.model_rows[i][3]);
+    p[i] =
+        (item.model_rows[i][0] * x + item.model_rows[i][1] * y) + (item.model_rows[i][2] * z + item.model_rows[i][3]);
+}
+
+/// Asks for what fetch_triangle will read, for all triangles at once: they lie anywhere in memory.
+void prefetch_triangles(const Shading& s, const TileTriangles& t) {
+  for (int32_t k = 0; k < t.count; ++k) {
+    const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
+    if (item.indices != nullptr) __builtin_prefetch(item.indices + 3 * static_cast<uint64_t>(t.id[k] - item.first_id));
+  }
+  for (int32_t k = 0; k < t.count; ++k) {
+    const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
+    if (item.indices == nullptr) continue;
+    const uint64_t at = item.indices[3 * static_cast<uint64_t>(t.id[k] - item.first_id)];
+    __builtin_prefetch(item.positions + 3 * at);
+    if (item.texcoords != nullptr) __builtin_prefetch(item.texcoords + 2 * at);
+    if (item.normals != nullptr) __builtin_prefetch(item.normals + 3 * at);
+  }
+}
+
+float number_of_surface(TileTriangles& t, const Surface* surface) {
+  for (int32_t i = 0; i < t.surface_count; ++i)
+    if (t.surfaces[i] == surface) return static_cast<float>(i);
+  t.surfaces[t.surface_count] = surface;
+  return static_cast<float>(t.surface_count++);
 }
 
 /// Brings one triangle's corners into the tile's arrays.
 void fetch_triangle(const Shading& s, TileTriangles& t, int32_t k) {
   const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
   const uint64_t triangle = t.id[k] - item.first_id;
-  t.surface[k] = nullptr, t.smooth[k] = 0;
+  t.texture[k] = -1, t.smooth[k] = 0;
+  bool textured = false;
   float base[3] = {1, 1, 1};
   const bool bare = item.indices == nullptr;
+  t.varying |= item.normals != nullptr || item.colors != nullptr;
   const uint32_t material = bare || item.materials == nullptr ? 0 : item.materials[triangle];
   if (item.surfaces != nullptr && material < item.surface_count) {
     const Surface& surface = item.surfaces[material];
     for (int c = 0; c < 3; ++c) base[c] = surface.color[c];
-    if (s.has_textures && surface.texture != nullptr && item.texcoords != nullptr) t.surface[k] = &surface;
+    textured = s.has_textures && surface.texture != nullptr && item.texcoords != nullptr;
+    if (textured) t.texture[k] = number_of_surface(t, &surface);
   }
   for (int v = 0; v < 3; ++v) {
     const uint64_t at = bare ? 0 : item.indices[3 * triangle + static_cast<uint64_t>(v)];
@@ -79,14 +134,16 @@ void fetch_triangle(const Shading& s, TileTriangles& t, int32_t k) {
     if (item.placed) to_model(item, p);
     for (int c = 0; c < 3; ++c) t.p[v][c][k] = p[c], t.color[v][c][k] = base[c];
     t.uv[v][0][k] = 0, t.uv[v][1][k] = 0;
-    if (t.surface[k] != nullptr) t.uv[v][0][k] = item.texcoords[2 * at], t.uv[v][1][k] = item.texcoords[2 * at + 1];
+    if (textured) t.uv[v][0][k] = item.texcoords[2 * at], t.uv[v][1][k] = item.texcoords[2 * at + 1];
     if (!bare && item.colors != nullptr)
       for (int c = 0; c < 3; ++c) t.color[v][c][k] *= s.linear_of_srgb[item.colors[at] >> (8 * c) & 255U];
     if (bare || item.normals == nullptr) continue;
     t.smooth[k] = 1;
     const float* n = item.normals + 3 * at;
     for (int c = 0; c < 3; ++c)
-      t.normal[v][c][k] = item.placed ? (item.normal_rows[c][0] * n[0] + item.normal_rows[c][1] * n[1]) + item.normal_rows[c][2] * n[2] : n[c];
+      t.normal[v][c][k] =
+          item.placed ? (item.normal_rows[c][0] * n[0] + item.normal_rows[c][1] * n[1]) + item.normal_rows[c][2] * n[2]
+                      : n[c];
   }
 }
 
@@ -111,7 +168,7 @@ PROMENADE_INLINE void light_corners(const Shading& s, TileTriangles& t, int32_t 
   for (int c = 0; c < 3; ++c) {
     const F a = load(t.p[0][c] + first);
     e1[c] = load(t.p[1][c] + first) - a, e2[c] = load(t.p[2][c] + first) - a;
-    to_eye[c] = (splat(s.eye_hi[c]) - a) + splat(s.eye_lo[c]);
+    to_eye[c] = s.orthographic ? splat(-s.rows[2][c]) : (splat(s.eye_hi[c]) - a) + splat(s.eye_lo[c]);
   }
   for (int c = 0; c < 3; ++c) {
     const int i = (c + 1) % 3, j = (c + 2) % 3;
@@ -139,9 +196,10 @@ PROMENADE_INLINE void light_corners(const Shading& s, TileTriangles& t, int32_t 
   }
 }
 
-/// The long way for triangles that reach behind the near plane or far out of the picture: in double, without dividing by
-/// their w.
-void set_up_far_reaching(const Frame& f, const Shading& s, const TileTriangles& t, int32_t k, float x, float y, TileFunctions& out) {
+/// The long way for triangles that reach behind the near plane or far out of the picture: in double, without dividing
+/// by their w.
+void set_up_far_reaching(const Frame& f, const Shading& s, const TileTriangles& t, int32_t k, float x, float y,
+                         TileFunctions& out) {
   ViewPoint p[3];
   for (int v = 0; v < 3; ++v) {
     const float d[3] = {(t.p[v][0][k] - s.eye_hi[0]) - s.eye_lo[0], (t.p[v][1][k] - s.eye_hi[1]) - s.eye_lo[1],
@@ -165,14 +223,15 @@ void set_up_far_reaching(const Frame& f, const Shading& s, const TileTriangles& 
       out.a[slot_zx][k] = dx, out.a[slot_zy][k] = dy, out.a[slot_z][k] = at;
       continue;
     }
+    if (i >= 3 && !t.varying) continue;  // set_up_lanes has put the plain colour there
     out.a[slots[i]][k] = at, out.a[slots[i] + 1][k] = dx, out.a[slots[i] + 2][k] = dy;
   }
 }
 
 /// Functions over the picture of kLanes triangles from `first` on; x, y: centre of the tile's first pixel, sub-pixels
 /// from the axis.
-PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileTriangles& t, int32_t first, float x, float y,
-                                   TileFunctions& out) {
+PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileTriangles& t, int32_t first, float x,
+                                   float y, TileFunctions& out) {
   F px[3], py[3], pz[3];
   const F one = splat(1.0F), near = splat(f.near_m), pixel = splat(static_cast<float>(kSubpixel));
   M far = mask_of(0);
@@ -200,21 +259,29 @@ PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileT
     store(out.a[dy] + first, gy);
     store(out.a[at] + first, a0 + (gx * to_x + gy * to_y));
   };
-  const auto corner = [&](const float (*v)[kTilePixels], int axis) { return load(v[axis] + first); };
-  put(corner(t.uv[0], 0), corner(t.uv[1], 0), corner(t.uv[2], 0), slot_u, slot_ux, slot_uy);
-  put(corner(t.uv[0], 1), corner(t.uv[1], 1), corner(t.uv[2], 1), slot_v, slot_vx, slot_vy);
-  put(one, one, one, slot_z, slot_zx, slot_zy);
-  for (int c = 0; c < 3; ++c)
-    put(corner(t.color[0], c), corner(t.color[1], c), corner(t.color[2], c), slot_r + 3 * c, slot_rx + 3 * c, slot_ry + 3 * c);
+  const auto corner = [&](const float(*v)[kTilePixels], int axis) { return load(v[axis] + first); };
+  if (t.surface_count > 0) {
+    put(corner(t.uv[0], 0), corner(t.uv[1], 0), corner(t.uv[2], 0), slot_u, slot_ux, slot_uy);
+    put(corner(t.uv[0], 1), corner(t.uv[1], 1), corner(t.uv[2], 1), slot_v, slot_vx, slot_vy);
+    put(one, one, one, slot_z, slot_zx, slot_zy);
+  }
+  for (int c = 0; c < 3; ++c) {
+    if (t.varying)
+      put(corner(t.color[0], c), corner(t.color[1], c), corner(t.color[2], c), slot_r + 3 * c, slot_rx + 3 * c,
+          slot_ry + 3 * c);
+    else
+      store(out.a[slot_r + 3 * c] + first, corner(t.color[0], c));
+  }
   const int32_t left = t.count - first;
   uint32_t redo = bits(far) & (left >= kLanes ? (1U << kLanes) - 1U : (1U << left) - 1U);
   for (; redo != 0; redo &= redo - 1) set_up_far_reaching(f, s, t, first + __builtin_ctz(redo), x, y, out);
 }
 
-// --- Textures ----------------------------------------------------------------------------------------------------------
+// --- Textures
+// ----------------------------------------------------------------------------------------------------------
 
-/// A texture coordinate to the two neighbouring texels' columns (or rows) and the share of the second.
-PROMENADE_INLINE void neighbours(F t, uint8_t wrap, I size, I& first, I& second, F& share) {
+/// A texture coordinate in texels from the first one's centre, wrapped; >= -0.5.
+PROMENADE_INLINE F wrapped(F t, uint8_t wrap, I size) {
   const F zero = splat(0.0F), one = splat(1.0F);
   t = max(min(t, splat(1e6F)), splat(-1e6F));
   if (wrap == 2) {
@@ -225,37 +292,37 @@ PROMENADE_INLINE void neighbours(F t, uint8_t wrap, I size, I& first, I& second,
   } else {
     t = t - floor(t);
   }
-  const F x = t * to_float(size) - splat(0.5F), whole = floor(x);
-  share = x - whole;
-  first = truncate(whole), second = first + splat(1);
-  const I last = size - splat(1);
-  if (wrap == 0) {
-    first = select(first < splat(0), last, first);
-    second = select(second > last, splat(0), second);
-  }
-  first = max(min(first, last), splat(0)), second = max(min(second, last), splat(0));
+  return t * to_float(size) - splat(0.5F);
 }
 
 /// A bilinear sample of one mip level, linear.
 PROMENADE_INLINE void sample_level(const Surface& surface, F u, F v, I level, M active, F* out) {
   const Texture& t = *surface.texture;
-  const I width = max(shift_right_by(splat(static_cast<int32_t>(t.width)), level), splat(1));
+  const I zero = splat(0), width = max(shift_right_by(splat(static_cast<int32_t>(t.width)), level), splat(1));
   const I height = max(shift_right_by(splat(static_cast<int32_t>(t.height)), level), splat(1));
   const I offset = gather(reinterpret_cast<const int32_t*>(t.level_offset), level);
-  I x[2], y[2];
-  F sx, sy;
-  neighbours(u, surface.wrap_u, width, x[0], x[1], sx);
-  neighbours(v, surface.wrap_v, height, y[0], y[1], sy);
-  const F one = splat(1.0F);
-  const F weight_x[2] = {one - sx, sx}, weight_y[2] = {one - sy, sy};
+  const F fu = wrapped(u, surface.wrap_u, width), fv = wrapped(v, surface.wrap_v, height);
+  const F whole_u = floor(fu), whole_v = floor(fv), sy = fv - whole_v;
+  F sx = fu - whole_u;
+  const I last_x = width - splat(1), last_y = height - splat(1);
+  I x = truncate(whole_u), y[2] = {truncate(whole_v), truncate(whole_v) + splat(1)};
+  if (surface.wrap_u == 0)
+    x = select(x < zero, last_x, x);  // the row's last texel is its first again
+  else
+    sx = select((x < zero) | (x > last_x - splat(1)), splat(0.0F), sx);
+  if (surface.wrap_v == 0) y[0] = select(y[0] < zero, last_y, y[0]), y[1] = select(y[1] > last_y, zero, y[1]);
+  x = max(min(x, last_x), zero);
   for (int c = 0; c < 3; ++c) out[c] = splat(0.0F);
+  const I low = splat(1023);
   for (int j = 0; j < 2; ++j) {
-    const I row = offset + y[j] * width;
+    const I row = offset + max(min(y[j], last_y), zero) * (width + splat(1));
+    I texel[2];
+    gather_pairs(t.texels, select(active, row + x, zero), texel[0], texel[1]);
+    const F down = j == 0 ? splat(1.0F) - sy : sy;
     for (int i = 0; i < 2; ++i) {
-      const I texel = gather(t.texels, select(active, row + x[i], splat(0)));
-      const F weight = weight_x[i] * weight_y[j];
-      const I low = splat(1023);
-      const F r = to_float(texel & low), g = to_float(shift_right<10>(texel) & low), b = to_float(shift_right<20>(texel));
+      const F weight = (i == 0 ? splat(1.0F) - sx : sx) * down;
+      const F r = to_float(texel[i] & low), g = to_float(shift_right<10>(texel[i]) & low),
+              b = to_float(shift_right<20>(texel[i]));
       out[0] = out[0] + weight * (r * r), out[1] = out[1] + weight * (g * g), out[2] = out[2] + weight * (b * b);
     }
   }
@@ -288,19 +355,22 @@ PROMENADE_INLINE void sample_texture(const Surface& surface, F u, F v, F dux, F 
   for (int c = 0; c < 3; ++c) out[c] = out[c] + share * (coarse[c] - out[c]);
 }
 
-// --- Pixels ------------------------------------------------------------------------------------------------------------
+// --- Pixels
+// ------------------------------------------------------------------------------------------------------------
 
-/// Linear to sRGB bytes, within a step of the exact curve, in the lowest byte.
+/// Linear to sRGB bytes, in the lowest byte: the curve as a polynomial of the square root, within 0.2 of a step.
 PROMENADE_INLINE I to_srgb(F a) {
   a = max(min(a, splat(1.0F)), splat(0.0F));
-  const F s1 = sqrt(a), s2 = sqrt(s1), s3 = sqrt(s2);
-  const F curve = (splat(0.662002687F) * s1 + splat(0.684122060F) * s2) - (splat(0.323583601F) * s3 + splat(0.022541147F) * a);
+  const F r = sqrt(a);
+  const F high = splat(1.55840883F) + r * (splat(-1.13839774F) + r * splat(0.337028849F));
+  const F curve = splat(-0.0383227873F) + r * (splat(1.4829101F) + r * (splat(-1.20152822F) + r * high));
   const F low = splat(12.92F) * a;
   return truncate(select(a < splat(0.0031308F), low, curve) * splat(255.0F) + splat(0.5F));
 }
 
 PROMENADE_INLINE I packed_srgb(const F* c) {
-  return to_srgb(c[0]) | shift_left<8>(to_srgb(c[1])) | shift_left<16>(to_srgb(c[2])) | splat(static_cast<int32_t>(0xff000000U));
+  return to_srgb(c[0]) | shift_left<8>(to_srgb(c[1])) | shift_left<16>(to_srgb(c[2])) |
+         splat(static_cast<int32_t>(0xff000000U));
 }
 
 PROMENADE_INLINE I sky_at(const Shading& s, F x, F y) {
@@ -312,39 +382,28 @@ PROMENADE_INLINE I sky_at(const Shading& s, F x, F y) {
   const F share = select(above, sqrt(max(d[2], zero)), min(splat(1.0F), splat(-8.0F) * d[2]));
   F color[3];
   for (int c = 0; c < 3; ++c)
-    color[c] = splat(s.horizon[c]) + share * (select(above, splat(s.zenith[c]), splat(s.below[c])) - splat(s.horizon[c]));
+    color[c] =
+        splat(s.horizon[c]) + share * (select(above, splat(s.zenith[c]), splat(s.below[c])) - splat(s.horizon[c]));
   return packed_srgb(color);
 }
 
-/// Multiplies the colours of those lanes by their textures.
-PROMENADE_INLINE void apply_textures(const Frame& f, const TileTriangles& t, const TileFunctions& fn, I which, uint32_t covered,
-                                     F dx, F dy, F w, F* color) {
-  int32_t index[kLanes];
-  store(index, which);
-  uint32_t textured = 0;
-  for (uint32_t m = covered; m != 0; m &= m - 1) {
-    const uint32_t i = static_cast<uint32_t>(__builtin_ctz(m));
-    textured |= (t.surface[index[i]] != nullptr ? 1U : 0U) << i;
-  }
-  if (textured == 0) return;
+/// Multiplies the colours of the covered lanes by their textures.
+PROMENADE_INLINE void apply_textures(const Frame& f, const TileTriangles& t, const TileFunctions& fn, I which,
+                                     M covered, F dx, F dy, F w, F* color) {
   const auto slot = [&](int k) { return Table64(fn.a[k])[which]; };
   const F ux = slot(slot_ux), uy = slot(slot_uy), vx = slot(slot_vx), vy = slot(slot_vy);
   const F u = (slot(slot_u) + (ux * dx + uy * dy)) * w, v = (slot(slot_v) + (vx * dx + vy * dy)) * w;
   F zx = splat(0.0F), zy = zx;
   if (!f.orthographic) zx = slot(slot_zx), zy = slot(slot_zy);
   const F dux = (ux - u * zx) * w, duy = (uy - u * zy) * w, dvx = (vx - v * zx) * w, dvy = (vy - v * zy) * w;
-  while (textured != 0) {
-    const Surface* surface = t.surface[index[__builtin_ctz(textured)]];
-    uint32_t same = 0;
-    for (uint32_t m = textured; m != 0; m &= m - 1) {
-      const uint32_t i = static_cast<uint32_t>(__builtin_ctz(m));
-      same |= (t.surface[index[i]] == surface ? 1U : 0U) << i;
-    }
+  const F texture = Table64(t.texture)[which];
+  for (int32_t i = 0; i < t.surface_count; ++i) {
+    const F number = splat(static_cast<float>(i));
+    const M active = covered & (texture >= number) & (texture <= number);
+    if (bits(active) == 0) continue;
     F texel[3];
-    const M active = mask_of(same);
-    sample_texture(*surface, u, v, dux, duy, dvx, dvy, active, texel);
+    sample_texture(*t.surfaces[i], u, v, dux, duy, dvx, dvy, active, texel);
     for (int c = 0; c < 3; ++c) color[c] = select(active, color[c] * texel[c], color[c]);
-    textured &= ~same;
   }
 }
 
@@ -354,6 +413,8 @@ void shade_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, TileTr
   find_distinct(f, f.z + tile, f.id + tile, t, which);
   const float x = static_cast<float>(tx * kTile * kSubpixel + kSubpixel / 2 - f.axis_x);
   const float y = static_cast<float>(ty * kTile * kSubpixel + kSubpixel / 2 - f.axis_y);
+  t.surface_count = 0, t.varying = false;
+  if (t.count > 2) prefetch_triangles(s, t);
   for (int32_t k = 0; k < t.count; ++k) fetch_triangle(s, t, k);
   for (int32_t k = 0; k < t.count; k += kLanes) {
     light_corners(s, t, k);
@@ -373,9 +434,11 @@ void shade_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, TileTr
       const F w = f.orthographic ? splat(1.0F) : splat(1.0F) / select(covered, load(f.z + tile + i), splat(1.0F));
       const auto slot = [&](int k) { return Table64(fn.a[k])[seen]; };
       F color[3];
-      for (int c = 0; c < 3; ++c)
-        color[c] = (slot(slot_r + 3 * c) + (slot(slot_rx + 3 * c) * dx + slot(slot_ry + 3 * c) * dy)) * w;
-      apply_textures(f, t, fn, seen, lanes, dx, dy, w, color);
+      for (int c = 0; c < 3; ++c) {
+        color[c] = slot(slot_r + 3 * c);
+        if (t.varying) color[c] = (color[c] + (slot(slot_rx + 3 * c) * dx + slot(slot_ry + 3 * c) * dy)) * w;
+      }
+      if (t.surface_count > 0) apply_textures(f, t, fn, seen, covered, dx, dy, w, color);
       out = select(covered, packed_srgb(color), out);
     }
     int32_t rgba[kLanes];

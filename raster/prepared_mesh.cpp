@@ -47,7 +47,8 @@ uint8_t flags_of(const Mesh& mesh, std::span<const Material> materials, size_t t
   if (m >= materials.size()) return 0;
   const bool holes = attributes && materials[m].alpha != AlphaMode::opaque;
   return static_cast<uint8_t>((materials[m].two_sided ? raster_kernel::block_two_sided : 0) |
-                              (holes ? raster_kernel::block_masked : 0));
+                              (holes ? raster_kernel::block_masked : 0) |
+                              (materials[m].alpha == AlphaMode::blend ? raster_kernel::block_blended : 0));
 }
 
 /// Cuts a mesh's triangles into blocks, depth first.
@@ -193,6 +194,22 @@ std::vector<Piece> pieces_of(const Mesh& mesh, std::span<const Material> materia
 }
 
 }  // namespace
+
+uint64_t prepared_bytes_bound(uint64_t vertices, uint64_t triangles) {
+  // The cutter leaves no block of fewer than 16 triangles but one for each way of drawing them.
+  constexpr uint64_t kWays = 8, kPadding = kLanePadding - 1;
+  const uint64_t blocks = triangles / 16 + kWays;
+  const uint64_t block_vertices = std::min(3 * triangles, blocks * kBlockVertices) + blocks * kPadding;
+  const uint64_t block_triangles = triangles + blocks * kPadding;
+  const uint64_t attributes = vertices * (3 + 3 + 2 + 1) * sizeof(float) + triangles * 4 * sizeof(uint32_t);
+  return blocks * sizeof(Block) + block_vertices * 3 * sizeof(float) + block_triangles * (3 + sizeof(uint32_t)) +
+         attributes;
+}
+
+bool has_blended(const PreparedMesh& mesh) {
+  return std::any_of(mesh.blocks.begin(), mesh.blocks.end(),
+                     [](const Block& b) { return (b.flags & raster_kernel::block_blended) != 0; });
+}
 
 uint64_t PreparedMesh::byte_size() const {
   return blocks.size() * sizeof(Block) + (x.size() + y.size() + z.size()) * sizeof(float) + 3 * corners[0].size() +

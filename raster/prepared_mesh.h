@@ -25,14 +25,20 @@ struct PrepareOptions {
 struct PreparedMesh {
   Box box;
   std::vector<raster_kernel::Block> blocks;
-  std::vector<float> x, y, z;                     ///< vertices of the blocks
-  std::array<std::vector<uint8_t>, 3> corners;    ///< of the blocks' triangles
-  std::vector<uint32_t> triangle_of;              ///< number in the mesh as given
-  uint32_t triangle_count = 0;                    ///< of the mesh as given
-  Mesh attributes;                                ///< as given; without PrepareOptions::attributes empty
+  std::vector<float> x, y, z;                   ///< vertices of the blocks
+  std::array<std::vector<uint8_t>, 3> corners;  ///< of the blocks' triangles
+  std::vector<uint32_t> triangle_of;            ///< number in the mesh as given
+  uint32_t triangle_count = 0;                  ///< of the mesh as given
+  Mesh attributes;                              ///< as given; without PrepareOptions::attributes empty
 
   uint64_t byte_size() const;
 };
+
+/// Upper bound of byte_size() for a mesh of this size with all attributes.
+uint64_t prepared_bytes_bound(uint64_t vertices, uint64_t triangles);
+
+/// Whether some of its surface is seen through (AlphaMode::blend).
+bool has_blended(const PreparedMesh& mesh);
 
 /// Refuses meshes that find_defect refuses, and coordinates beyond kMaxCoordinate_m. Triangles without an area are
 /// left out: they cover no pixel. A triangle whose material is not in `materials` counts as opaque and one-sided.

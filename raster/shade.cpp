@@ -65,6 +65,7 @@ void shade(const VisibilityBuffer& buffer, const ShadeOptions& options, Image& o
   s.items = state.items.data();
   s.item_of_run = state.item_of_run.data();
   s.run_bits = kIdRunBits;
+  s.orthographic = state.view.orthographic;
   s.linear_of_srgb = linear_table().data();
   set_view(state.view, s);
   set_light(options, s);

@@ -93,6 +93,13 @@ struct Table64 {
   PROMENADE_INLINE F operator[](I i) const { return {_mm256_i32gather_ps(p, i.v, 4)}; }
 };
 
+PROMENADE_INLINE void gather_pairs(const int32_t* p, I i, I& first, I& second) {
+  const auto* pairs = reinterpret_cast<const long long*>(p);  // four bytes apart: the scale says so
+  const __m256 a = _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_castsi256_si128(i.v), 4));
+  const __m256 b = _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_extracti128_si256(i.v, 1), 4));
+  first = {_mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(a, b, 0x88)), 0xd8)};
+  second = {_mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(a, b, 0xdd)), 0xd8)};
+}
 PROMENADE_INLINE I gather(const int32_t* p, I i) { return {_mm256_i32gather_epi32(p, i.v, 4)}; }
 PROMENADE_INLINE F gather(const float* p, I i) { return {_mm256_i32gather_ps(p, i.v, 4)}; }
 

@@ -92,6 +92,13 @@ struct Table64 {
   }
 };
 
+PROMENADE_INLINE void gather_pairs(const int32_t* p, I i, I& first, I& second) {
+  const __m512i a = _mm512_i32gather_epi64(_mm512_castsi512_si256(i.v), p, 4);
+  const __m512i b = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(i.v, 1), p, 4);
+  const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  first = {_mm512_permutex2var_epi32(a, even, b)};
+  second = {_mm512_permutex2var_epi32(a, _mm512_or_si512(even, _mm512_set1_epi32(1)), b)};
+}
 PROMENADE_INLINE I gather(const int32_t* p, I i) { return {_mm512_i32gather_epi32(i.v, p, 4)}; }
 PROMENADE_INLINE F gather(const float* p, I i) { return {_mm512_i32gather_ps(i.v, p, 4)}; }
 

@@ -73,14 +73,17 @@ PROMENADE_INLINE M less_unsigned(I a, I b) {
 }
 
 PROMENADE_INLINE F select(M m, F a, F b) {
-  return {reinterpret_cast<FloatBits>((reinterpret_cast<IntBits>(a.v) & m.v) | (reinterpret_cast<IntBits>(b.v) & ~m.v))};
+  return {
+      reinterpret_cast<FloatBits>((reinterpret_cast<IntBits>(a.v) & m.v) | (reinterpret_cast<IntBits>(b.v) & ~m.v))};
 }
 PROMENADE_INLINE I select(M m, I a, I b) { return {(a.v & m.v) | (b.v & ~m.v)}; }
 PROMENADE_INLINE F min(F a, F b) { return select(a < b, a, b); }
 PROMENADE_INLINE F max(F a, F b) { return select(a > b, a, b); }
 PROMENADE_INLINE I min(I a, I b) { return select(a < b, a, b); }
 PROMENADE_INLINE I max(I a, I b) { return select(a > b, a, b); }
-PROMENADE_INLINE F abs(F a) { return {reinterpret_cast<FloatBits>(reinterpret_cast<IntBits>(a.v) & splat(INT32_MAX).v)}; }
+PROMENADE_INLINE F abs(F a) {
+  return {reinterpret_cast<FloatBits>(reinterpret_cast<IntBits>(a.v) & splat(INT32_MAX).v)};
+}
 PROMENADE_INLINE I abs(I a) { return select(a < splat(0), splat(0) - a, a); }
 
 PROMENADE_INLINE uint32_t bits(M m) {
@@ -100,7 +103,8 @@ PROMENADE_INLINE I as_int(F a) { return {reinterpret_cast<IntBits>(a.v)}; }
 PROMENADE_INLINE F as_float(I a) { return {reinterpret_cast<FloatBits>(a.v)}; }
 
 PROMENADE_INLINE F sqrt(F a) {
-  return {FloatBits{__builtin_sqrtf(a.v[0]), __builtin_sqrtf(a.v[1]), __builtin_sqrtf(a.v[2]), __builtin_sqrtf(a.v[3])}};
+  return {
+      FloatBits{__builtin_sqrtf(a.v[0]), __builtin_sqrtf(a.v[1]), __builtin_sqrtf(a.v[2]), __builtin_sqrtf(a.v[3])}};
 }
 /// Rounded down; |a| < 2^31.
 PROMENADE_INLINE F floor(F a) {
@@ -119,6 +123,11 @@ struct Table64 {
   F operator[](I i) const { return {FloatBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}}; }
 };
 
+/// p[i] and p[i + 1].
+PROMENADE_INLINE void gather_pairs(const int32_t* p, I i, I& first, I& second) {
+  first = {IntBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}};
+  second = {IntBits{p[i.v[0] + 1], p[i.v[1] + 1], p[i.v[2] + 1], p[i.v[3] + 1]}};
+}
 PROMENADE_INLINE I gather(const int32_t* p, I i) { return {IntBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}}; }
 PROMENADE_INLINE F gather(const float* p, I i) { return {FloatBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}}; }
 

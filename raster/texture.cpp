@@ -11,26 +11,12 @@ namespace {
 using raster_kernel::kMaxMipLevels;
 constexpr uint32_t kMaxTextureSide = 32768;  // its levels fit kMaxMipLevels
 
-/// A texel on its way to the coarser levels: linear colour and opacity.
-struct Texel {
-  std::array<float, 3> color;
-  float opacity;
-};
+using Texel = MipTexture::Texel;
 
 const std::array<float, 256>& linear_table() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> t{};
     for (uint32_t i = 0; i < 256; ++i) t[i] = srgb_to_linear(static_cast<uint8_t>(i));
-    return t;
-  }();
-  return table;
-}
-
-/// Level 0's texels come from bytes: their roots by table.
-const std::array<uint32_t, 256>& root_table() {
-  static const std::array<uint32_t, 256> table = [] {
-    std::array<uint32_t, 256> t{};
-    for (uint32_t i = 0; i < 256; ++i) t[i] = static_cast<uint32_t>(std::sqrt(linear_table()[i]) * 1023.0F + 0.5F);
     return t;
   }();
   return table;
@@ -67,6 +53,17 @@ std::vector<Texel> halved(const std::vector<Texel>& from, uint32_t width, uint32
 
 }  // namespace
 
+void MipTexture::store_level(uint32_t level, const std::vector<Texel>& from, uint32_t width) {
+  size_t to = view_.level_offset[level];
+  for (size_t row = 0; row < from.size(); row += width) {
+    for (uint32_t x = 0; x <= width; ++x, ++to) {
+      const Texel& t = from[row + (x == width ? 0 : x)];
+      texels_[to] = static_cast<int32_t>(root(t.color[0]) | root(t.color[1]) << 10 | root(t.color[2]) << 20);
+      if (!opacity_.empty()) opacity_[to] = static_cast<uint8_t>(t.opacity * 255.0F + 0.5F);
+    }
+  }
+}
+
 Result<MipTexture> MipTexture::make(const Image& image) {
   if (image.width == 0 || image.height == 0 || image.width > kMaxTextureSide || image.height > kMaxTextureSide)
     return Error{"texture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
@@ -77,28 +74,24 @@ Result<MipTexture> MipTexture::make(const Image& image) {
   MipTexture t;
   t.view_.width = image.width, t.view_.height = image.height;
   size_t total = 0;
-  for (uint32_t w = image.width, h = image.height; t.view_.levels < kMaxMipLevels; w = std::max(1U, w / 2), h = std::max(1U, h / 2)) {
+  for (uint32_t w = image.width, h = image.height; t.view_.levels < kMaxMipLevels;
+       w = std::max(1U, w / 2), h = std::max(1U, h / 2)) {
     t.view_.level_offset[t.view_.levels++] = static_cast<uint32_t>(total);
-    total += size_t(w) * h;
+    total += size_t(w + 1) * h;
     if (w == 1 && h == 1) break;
   }
-  const bool clear = std::any_of(image.pixels.begin(), image.pixels.end(), [](const glm::u8vec4& p) { return p.a != 255; });
+  const bool clear =
+      std::any_of(image.pixels.begin(), image.pixels.end(), [](const glm::u8vec4& p) { return p.a != 255; });
   t.texels_.resize(total);
   if (clear) t.opacity_.resize(total);
   std::vector<Texel> level(image.pixels.size());
   for (size_t i = 0; i < image.pixels.size(); ++i) {
     const glm::u8vec4& p = image.pixels[i];
-    t.texels_[i] = static_cast<int32_t>(root_table()[p.r] | root_table()[p.g] << 10 | root_table()[p.b] << 20);
-    if (clear) t.opacity_[i] = p.a;
     level[i] = {{linear_table()[p.r], linear_table()[p.g], linear_table()[p.b]}, static_cast<float>(p.a) / 255.0F};
   }
-  for (uint32_t l = 1; l < t.view_.levels; ++l) {
-    level = halved(level, std::max(1U, image.width >> (l - 1)), std::max(1U, image.height >> (l - 1)));
-    for (size_t i = 0; i < level.size(); ++i) {
-      const std::array<float, 3>& c = level[i].color;
-      t.texels_[t.view_.level_offset[l] + i] = static_cast<int32_t>(root(c[0]) | root(c[1]) << 10 | root(c[2]) << 20);
-      if (clear) t.opacity_[t.view_.level_offset[l] + i] = static_cast<uint8_t>(level[i].opacity * 255.0F + 0.5F);
-    }
+  for (uint32_t l = 0; l < t.view_.levels; ++l) {
+    if (l > 0) level = halved(level, std::max(1U, image.width >> (l - 1)), std::max(1U, image.height >> (l - 1)));
+    t.store_level(l, level, std::max(1U, image.width >> l));
   }
   t.view_.texels = t.texels_.data();
   t.view_.opacity = clear ? t.opacity_.data() : nullptr;

@@ -1,6 +1,7 @@
 #pragma once
 // Textures with their mip levels, ready for sampling.
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -10,7 +11,8 @@
 
 namespace promenade {
 
-/// A picture with all its mip levels, in one array. Averaged in linear light, weighted by opacity. Constant once made; any thread may read it.
+/// A picture with all its mip levels, in one array. Averaged in linear light, weighted by opacity. Constant once made;
+/// any thread may read it.
 class MipTexture {
  public:
   /// Refuses a picture without pixels, one whose array does not match its size, and sides over 32768.
@@ -24,8 +26,16 @@ class MipTexture {
   MipTexture(const MipTexture&) = delete;
   MipTexture& operator=(const MipTexture&) = delete;
 
+  /// A texel on its way to the coarser levels: linear colour and opacity.
+  struct Texel {
+    std::array<float, 3> color;
+    float opacity;
+  };
+
  private:
   MipTexture() = default;
+  void store_level(uint32_t level, const std::vector<Texel>& from, uint32_t width);
+
   std::vector<int32_t> texels_;
   std::vector<uint8_t> opacity_;  ///< empty: opaque
   raster_kernel::Texture view_ = {};

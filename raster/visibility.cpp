@@ -26,12 +26,14 @@ using raster_kernel::kSubpixel;
 using raster_kernel::kTile;
 using raster_kernel::Region;
 
-constexpr int32_t kGuard_px = 1024;       // beyond the picture's sides; keeps coordinates within 2^22 sub-pixels
-constexpr size_t kRegionsPerThread = 4;   // so that a thread that drew an easy region takes another
-constexpr int32_t kSmallestRegion = 8;    // tiles; smaller ones repeat too much set-up
+constexpr int32_t kGuard_px = 1024;      // beyond the picture's sides; keeps coordinates within 2^22 sub-pixels
+constexpr size_t kRegionsPerThread = 4;  // so that a thread that drew an easy region takes another
+constexpr int32_t kSmallestRegion = 8;   // tiles; smaller ones repeat too much set-up
 
 using Clock = std::chrono::steady_clock;
-double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -39,12 +41,14 @@ Status check(const RasterView& view) {
   if (view.width_px == 0 || view.height_px == 0 || view.width_px > kMaxPictureSide || view.height_px > kMaxPictureSide)
     return Error{"picture of " + std::to_string(view.width_px) + " x " + std::to_string(view.height_px) +
                  " pixels: sides must be 1 to " + std::to_string(kMaxPictureSide)};
-  if (!finite(view.eye) || !finite(view.right) || !finite(view.up) || !finite(view.forward) || !std::isfinite(view.near_m))
+  if (!finite(view.eye) || !finite(view.right) || !finite(view.up) || !finite(view.forward) ||
+      !std::isfinite(view.near_m))
     return Error{"view with a number that is not finite"};
   if (glm::length(view.eye) > kMaxCoordinate_m) return Error{"view with an eye beyond 1e12 m of the model's origin"};
   if (!view.orthographic && !(view.near_m >= 1e-9))
     return Error{"view with a near plane at " + std::to_string(view.near_m) + " m: it must be at least 1e-9 m away"};
-  if (!(view.scale_px > 0) || view.scale_px > 1e9) return Error{"view with a scale of " + std::to_string(view.scale_px) + " pixels"};
+  if (!(view.scale_px > 0) || view.scale_px > 1e9)
+    return Error{"view with a scale of " + std::to_string(view.scale_px) + " pixels"};
   return Done{};
 }
 
@@ -59,6 +63,7 @@ Frame frame_of(const RasterView& view, const VisibilityOptions& options) {
   f.orthographic = view.orthographic;
   f.clear_z = view.orthographic ? std::numeric_limits<float>::lowest() : 0.0F;
   f.cull_hidden = options.cull_hidden, f.cull_back = options.cull_back;
+  f.draw_blended = options.draw_blended;
   return f;
 }
 
@@ -102,7 +107,8 @@ void set_transform(Item& item, const RasterView& view, const std::optional<glm::
   }
   item.placed = placed.has_value();
   item.mirrored = det < 0;
-  if (!(std::abs(det) > 0) || !finite(eye) || !finite(axis) || glm::length(eye) > double(kMaxCoordinate_m)) item.block_count = 0;
+  if (!(std::abs(det) > 0) || !finite(eye) || !finite(axis) || glm::length(eye) > double(kMaxCoordinate_m))
+    item.block_count = 0;
 }
 
 Item item_of(const RasterItem& drawn, const RasterView& view) {
@@ -152,7 +158,8 @@ void half_of(const Box& box, float* center, float* half) {
 }
 
 /// The items in the picture, from near to far.
-std::vector<Seen> items_in_view(const VisibilityBuffer::State& s, std::span<const RasterItem> items, const Kernels& kernels) {
+std::vector<Seen> items_in_view(const VisibilityBuffer::State& s, std::span<const RasterItem> items,
+                                const Kernels& kernels) {
   std::vector<Seen> seen;
   for (uint32_t i = 0; i < items.size(); ++i) {
     if (s.items[i].block_count == 0) continue;
@@ -192,7 +199,8 @@ std::vector<Region> regions_of(const Frame& f, unsigned threads) {
 void add(VisibilityStats& s, const raster_kernel::Counts& c) {
   s.items_drawn += c.items_drawn, s.items_hidden += c.items_hidden;
   s.blocks_drawn += c.blocks_drawn, s.blocks_hidden += c.blocks_hidden, s.blocks_facing_away += c.blocks_facing_away;
-  s.triangles_set_up += c.triangles_set_up, s.triangles_drawn += c.triangles_drawn, s.triangles_clipped += c.triangles_clipped;
+  s.triangles_set_up += c.triangles_set_up, s.triangles_drawn += c.triangles_drawn,
+      s.triangles_clipped += c.triangles_clipped;
 }
 
 bool overlaps(const Region& r, const BoxPicture& b) {
@@ -203,7 +211,9 @@ raster_kernel::Coverage coverage_of(PixelRule rule) { return static_cast<raster_
 
 }  // namespace
 
-unsigned thread_count(unsigned wanted) { return wanted != 0 ? wanted : std::max(1U, std::thread::hardware_concurrency()); }
+unsigned thread_count(unsigned wanted) {
+  return wanted != 0 ? wanted : std::max(1U, std::thread::hardware_concurrency());
+}
 
 void run_parallel(unsigned threads, size_t count, const std::function<void(size_t)>& body) {
   const unsigned n = std::min(thread_count(threads), std::max(1U, std::thread::hardware_concurrency()));
@@ -212,17 +222,15 @@ void run_parallel(unsigned threads, size_t count, const std::function<void(size_
     return;
   }
   tbb::task_arena arena(static_cast<int>(n));
-  arena.execute([&] {
-    tbb::parallel_for(size_t(0), count, body, tbb::simple_partitioner());
-  });
+  arena.execute([&] { tbb::parallel_for(size_t(0), count, body, tbb::simple_partitioner()); });
 }
 
 Simd supported_simd(Simd wanted) {
   const bool wide = wanted == Simd::best || wanted == Simd::avx512;
 #if defined(__x86_64__)
   __builtin_cpu_init();
-  if (wide && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
+  if (wide && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
     return Simd::avx512;
   if ((wide || wanted == Simd::avx2) && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
       __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt"))
@@ -235,9 +243,12 @@ Simd supported_simd(Simd wanted) {
 
 const raster_kernel::Kernels& kernels_of(Simd simd) {
   switch (supported_simd(simd)) {
-    case Simd::avx512: return raster_kernel::avx512_kernels();
-    case Simd::avx2: return raster_kernel::avx2_kernels();
-    default: return raster_kernel::portable_kernels();
+    case Simd::avx512:
+      return raster_kernel::avx512_kernels();
+    case Simd::avx2:
+      return raster_kernel::avx2_kernels();
+    default:
+      return raster_kernel::portable_kernels();
   }
 }
 
@@ -256,7 +267,8 @@ uint32_t VisibilityBuffer::height_px() const { return state_->view.height_px; }
 const RasterView& VisibilityBuffer::view() const { return state_->view; }
 const VisibilityStats& VisibilityBuffer::stats() const { return state_->stats; }
 
-Status VisibilityBuffer::draw(const RasterView& view, std::span<const RasterItem> items, const VisibilityOptions& options) {
+Status VisibilityBuffer::draw(const RasterView& view, std::span<const RasterItem> items,
+                              const VisibilityOptions& options) {
   PROMENADE_TRY(check(view));
   State& s = *state_;
   const Clock::time_point start = Clock::now();

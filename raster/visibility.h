@@ -1,12 +1,12 @@
 #pragma once
 // The visibility buffer: which triangle of which node is seen at each pixel, and how far away.
 //
-// A picture is drawn in three steps. The items' boxes are projected and sorted from near to far; the picture is cut into
-// regions that one thread each fills, items in that order, skipping what lies outside the region or behind what is
-// already there (a farthest depth a tile of 8 x 8 pixels); and what a pixel keeps is the nearest triangle, of equal ones
-// the smaller (node, triangle). So the picture depends neither on the number of threads, nor on the order of the items,
-// nor on the processor. Vertices are rounded to 1/256 pixel; a pixel belongs to a triangle when its centre does, by the
-// top-left rule; no gap and no pixel twice along shared edges.
+// A picture is drawn in three steps. The items' boxes are projected and sorted from near to far; the picture is cut
+// into regions that one thread each fills, items in that order, skipping what lies outside the region or behind what is
+// already there (a farthest depth a tile of 8 x 8 pixels); and what a pixel keeps is the nearest triangle, of equal
+// ones the smaller (node, triangle). So the picture depends neither on the number of threads, nor on the order of the
+// items, nor on the processor. Vertices are rounded to 1/256 pixel; a pixel belongs to a triangle when its centre does,
+// by the top-left rule; no gap and no pixel twice along shared edges.
 
 #include <glm/mat4x4.hpp>
 #include <memory>
@@ -47,8 +47,9 @@ struct VisibilityOptions {
   unsigned threads = 0;  ///< 0: one a processor. More threads repeat the set-up of what several regions show
   Simd simd = Simd::best;
   PixelRule rule = PixelRule::center;
-  bool cull_hidden = true;  ///< false: draw behind what is there, too; the same picture, to measure what culling saves
-  bool cull_back = true;    ///< false: draw every mesh from both sides
+  bool cull_hidden = true;   ///< false: draw behind what is there, too; the same picture, to measure what culling saves
+  bool cull_back = true;     ///< false: draw every mesh from both sides
+  bool draw_blended = true;  ///< false: leave out what is seen through (AlphaMode::blend)
 };
 
 /// What a picture took. Counts of all regions: an item that two regions show counts twice.

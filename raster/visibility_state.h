@@ -18,7 +18,7 @@ struct VisibilityBuffer::State {
   raster_kernel::Frame frame = {};
   std::vector<float> z;
   std::vector<uint32_t> id;
-  std::vector<float> hz;        ///< of all regions, one after the other
+  std::vector<float> hz;  ///< of all regions, one after the other
   std::vector<uint8_t> dirty;
   std::vector<raster_kernel::Item> items;  ///< as the caller listed them
   std::vector<uint32_t> nodes;

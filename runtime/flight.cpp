@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 namespace promenade {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Json = nlohmann::ordered_json;
 
 uint64_t peak_rss_bytes() {
   rusage usage{};
@@ -34,69 +32,6 @@ double mean_of(const std::vector<FrameRow>& rows, F&& value) {
   double sum = 0;
   for (const FrameRow& row : rows) sum += static_cast<double>(value(row));
   return rows.empty() ? 0 : sum / double(rows.size());
-}
-
-Json json_of(const FrameRow& row) {
-  return {{"frame", row.frame},
-          {"t_s", row.t_s},
-          {"frame_ms", row.frame_ms},
-          {"select_ms", row.select_ms},
-          {"draw_ms", row.draw_ms},
-          {"upload_ms", row.upload_ms},
-          {"response_ms", row.response_ms},
-          {"estimated_ms", row.estimated_ms},
-          {"estimated_without_feedback_ms", row.estimated_without_feedback_ms},
-          {"share_ms", row.share_ms},
-          {"triangles_drawn", row.triangles_drawn},
-          {"nodes_drawn", row.nodes_drawn},
-          {"nodes_missing", row.nodes_missing},
-          {"toggles", row.toggles},
-          {"toggles_up", row.toggles_up},
-          {"toggles_down", row.toggles_down},
-          {"resident_bytes", row.resident_bytes},
-          {"bytes_read", row.bytes_read},
-          {"nodes_by_level", row.nodes_by_level}};
-}
-
-Json json_of(const LoaderCounts& counts) {
-  return {{"pieces", counts.pieces},
-          {"nodes_loaded", counts.nodes_loaded},
-          {"textures_loaded", counts.textures_loaded},
-          {"nodes_evicted", counts.nodes_evicted},
-          {"loads_suspended", counts.loads_suspended},
-          {"loads_resumed", counts.loads_resumed},
-          {"partials_dropped", counts.partials_dropped},
-          {"staged_dropped", counts.staged_dropped},
-          {"waits_for_eviction", counts.waits_for_eviction},
-          {"refused_memory", counts.refused_memory},
-          {"refused_too_large", counts.refused_too_large},
-          {"failed_reads", counts.failed_reads},
-          {"failed_decodes", counts.failed_decodes},
-          {"failed_uploads", counts.failed_uploads},
-          {"idle_steps", counts.idle_steps}};
-}
-
-/// `count_name`: what the number of frames is called.
-Json json_of(const FlightTotals& totals, const char* count_name) {
-  return {{count_name, totals.frames},
-          {"frame_ms_mean", totals.frame_ms_mean},
-          {"frame_ms_p50", totals.frame_ms_p50},
-          {"frame_ms_p99", totals.frame_ms_p99},
-          {"frame_ms_stddev", totals.frame_ms_stddev},
-          {"response_ms_p99", totals.response_ms_p99},
-          {"triangles_drawn_mean", totals.triangles_drawn_mean},
-          {"nodes_drawn_mean", totals.nodes_drawn_mean},
-          {"nodes_missing_mean", totals.nodes_missing_mean},
-          {"toggles_per_frame", totals.toggles_per_frame},
-          {"cells_crossed", totals.cells_crossed},
-          {"delta_bytes_mean", totals.delta_bytes_mean},
-          {"bytes_read", totals.bytes_read},
-          {"reads", totals.reads},
-          {"bytes_read_useful", totals.bytes_read_useful},
-          {"resident_bytes_peak", totals.resident_bytes_peak},
-          {"peak_rss_bytes", totals.peak_rss_bytes},
-          {"stalls", totals.stalls},
-          {"memory_bytes", totals.memory_bytes}};
 }
 
 /// The frames of a path as time passes: which pose is next.
@@ -199,16 +134,5 @@ Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const Ca
   for (const std::string& failure : session->failures()) monitor.warning(failure);
   return report;
 }
-
-std::string to_json(const FlightReport& report) {
-  Json json = json_of(report.totals, "frame_count");
-  json["loader"] = json_of(report.loader);
-  Json rows = Json::array();
-  for (const FrameRow& row : report.rows) rows.push_back(json_of(row));
-  json["frames"] = std::move(rows);
-  return json.dump(1);
-}
-
-std::string to_json(const FlightTotals& totals) { return json_of(totals, "frames").dump(1); }
 
 }  // namespace promenade

@@ -31,7 +31,7 @@ struct FlightOptions {
   bool measure_overhead = true;  ///< some empty frames before the first
 };
 
-/// `fly --json`, names as there.
+/// The totals of `fly --json`, names as there.
 struct FlightTotals {
   uint64_t frames = 0;
   double frame_ms_mean = 0, frame_ms_p50 = 0, frame_ms_p99 = 0, frame_ms_stddev = 0;
@@ -64,11 +64,5 @@ Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const Ca
 
 /// Totals of rows (frame times, triangles, ...; what only the loader knows stays 0).
 FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms);
-
-/// The object that `fly --json` writes: the totals, a row a frame under `frames` (the name is taken by the rows, so the
-/// number of frames is their length and `frame_count`), the loader's counts under `loader`.
-std::string to_json(const FlightReport& report);
-/// The totals alone, `frames` being the number of frames: for tables of several flights.
-std::string to_json(const FlightTotals& totals);
 
 }  // namespace promenade

@@ -19,7 +19,7 @@ std::string GlContext::description() const {
 std::string_view name_of(OffscreenKind kind) {
   switch (kind) {
     case OffscreenKind::automatic:
-      return "auto";
+      return "automatic";
     case OffscreenKind::osmesa:
       return "osmesa";
     case OffscreenKind::egl:

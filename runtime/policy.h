@@ -36,17 +36,17 @@ struct TimeSliceOptions {
   double visibility_weight = 1.275;      ///< c_vis
   double foreshortening_weight = 0.450;  ///< c_fore
   /// c_hystSwitch and c_hystLimit. A counter falls by at most 1 a frame, so that the table's 1500 and 4510 would take
-  /// 45 seconds to coarsen anything, against the paper's own figures (6.6): here a hundredth, half a second at 30
-  /// frames.
-  double hysteresis_switch = 15;
-  double hysteresis_limit = 45.1;
+  /// 45 seconds to coarsen anything, against the paper's own figures (6.6). Here a three-hundredth: a sixth of a second
+  /// at 30 frames. Larger ones flicker more, not less: the share's feedback loop then swings (tests: loops_settle).
+  double hysteresis_switch = 5;
+  double hysteresis_limit = 15.03;
   bool hysteresis = true;  ///< false: the simpler rule, shareTime > sum of timeNeeded
   /// Refine only when all children are resident, not only the visible ones: later detail, less flicker (section 5.2).
-  bool all_children_resident = false;
+  bool all_children_resident = true;
   bool time_feedback = true;       ///< v_time follows measured frame times
   bool share_feedback = true;      ///< shareTime of the roots follows the use of target_ms
   double time_gain = 0.1;          ///< part of v_time's error corrected a frame, (0, 1]
-  double share_gain = 0.02;        ///< change of shareTime a frame, (0, 1)
+  double share_gain = 0.01;        ///< change of shareTime a frame, (0, 1)
   double share_tolerance = 0.1;    ///< "substantially" above or below target_ms, as a part of it
   double share_factor_max = 1000;  ///< shareTime stays within target_ms / this and target_ms * this
 };

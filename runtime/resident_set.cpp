@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <chrono>
 #include <deque>
 #include <memory>
@@ -390,10 +391,9 @@ ResidentSet::Task ResidentSet::next_task(uint64_t piece_bytes) {
       leaving = leaving || status == PartStatus::destroying;
       if (next_part == kNoTexture && (status == PartStatus::absent || status == PartStatus::partial)) next_part = part;
     });
+    assert(leaving || next_part != kNoTexture);
     if (leaving) return {Next::waiting, kNoNode, 0, 0, {}, {}};  // a texture is just being destroyed
-    if (next_part != kNoTexture) return s.task_for_locked(id, next_part, piece_bytes);
-    s.nodes[index_of(id)].stage = NodeStage::fetched;
-    s.list.set_loaded(id, true);
+    return s.task_for_locked(id, next_part, piece_bytes);
   }
 }
 
@@ -415,6 +415,9 @@ void ResidentSet::finish_mesh(const Task& task, std::unique_ptr<StagedMesh> stag
   s.set_part_locked(task.part, PartStatus::staged, staged->byte_size() + s.staged_bound(task.part, task.node));
   transfer.mesh = std::move(staged);
   s.ready.push_back(task.part);
+  // The mesh is a node's last part: nothing is left to load.
+  s.nodes[index_of(task.node)].stage = NodeStage::fetched;
+  s.list.set_loaded(task.node, true);
 }
 
 void ResidentSet::finish_texture(const Task& task, std::unique_ptr<StagedTexture> staged) {

@@ -30,7 +30,7 @@ struct ViewerReport {
 };
 
 /// Opens a window and returns when it is closed. Left mouse button: look; W A S D, arrows, space and C: move; Q E:
-/// roll; wheel: speed; F: straighten; H: panel; P: screenshot; R: record a path; N: node colours; Escape: leave.
+/// roll; wheel: speed; F: straighten; H: panel; P: screenshot; R: record a path, and stop; Escape: leave.
 /// Errors: no display; those of Session. Thread: the main one.
 Result<ViewerReport> view(const ModelSource& source, const ViewerOptions& options);
 

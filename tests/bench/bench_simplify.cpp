@@ -2,6 +2,7 @@
 // over the box's diagonal (bound_share, p99_share). And what measuring itself costs.
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 #include <meshoptimizer.h>
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
@@ -101,7 +102,7 @@ void BM_surface_distance(benchmark::State& state, const Mesh& mesh) {
   report(state, mesh, result);
 }
 
-const bool kRegistered = [] {
+[[maybe_unused]] const bool registered = [] {
   const std::vector<std::pair<std::string, Mesh>> meshes = {
       {"city_block", test::box_city_block()}, {"ball", test::ball(45)}, {"hills", test::hills(63)}};
   const std::vector<std::pair<std::string, Method>> methods = {{"promenade", by_promenade},
@@ -110,7 +111,7 @@ const bool kRegistered = [] {
                                                                {"openmesh", by_openmesh}};
   for (const auto& [mesh_name, mesh] : meshes) {
     for (const auto& [method_name, method] : methods)
-      benchmark::RegisterBenchmark((mesh_name + "/" + method_name).c_str(), BM_simplify, mesh, method)
+      benchmark::RegisterBenchmark(fmt::format("{}/{}", mesh_name, method_name).c_str(), BM_simplify, mesh, method)
           ->Unit(benchmark::kMillisecond);
     benchmark::RegisterBenchmark((mesh_name + "/surface_distance").c_str(), BM_surface_distance, mesh)
         ->Unit(benchmark::kMillisecond);

@@ -125,7 +125,7 @@ TEST(Bake, keeps_the_checker_of_a_box) {
       const bool white = static_cast<int>(std::floor(uv.x * 4) + std::floor(uv.y * 4)) % 2 == 0;
       const float value = seen(baked, t, w).r;
       ++asked;
-      right += white ? value > 215 : value < 70;
+      right += (white ? value > 215 : value < 110) ? 1U : 0U;
     }
   EXPECT_GT(asked, 50U);
   EXPECT_EQ(right, asked);
@@ -170,12 +170,12 @@ TEST(Bake, keeps_cut_outs_and_says_so) {
   EXPECT_TRUE(baked.has_opacity);
   size_t clear = 0, there = 0;
   for (const glm::u8vec4& p : baked.atlas.pixels) {
-    clear += p.a < 10;
-    there += p.a > 245;
+    clear += p.a < 100 ? 1U : 0U;
+    there += p.a > 155 ? 1U : 0U;
     EXPECT_NEAR(p.g, 200, 60);  // clear texels keep the colour, so that filters do not see black
   }
-  EXPECT_GT(clear, 400U);
-  EXPECT_GT(there, 400U);
+  EXPECT_GT(clear, 300U);
+  EXPECT_GT(there, 300U);
 }
 
 TEST(Bake, multiplies_texture_material_and_vertex_colours) {
@@ -223,6 +223,17 @@ TEST(Bake, coarsens_texels_until_the_atlas_fits) {
   EXPECT_LE(std::max(baked.atlas.width, baked.atlas.height), 128U);
   EXPECT_GT(baked.texel_m, 1.0);
   EXPECT_LT(baked.texel_m, 4.0);
+}
+
+TEST(Bake, takes_the_mean_where_an_edge_crosses_a_texel) {
+  Mesh sheet;
+  add_quad(sheet, {0, 0, 0}, {2.5F, 0, 0}, {0, 5, 0}, 0);  // a texel of 0.5 m around x = 2.5 is half and half
+  add_quad(sheet, {2.5F, 0, 0}, {2.5F, 0, 0}, {0, 5, 0}, 1);
+  const std::vector<Material> materials = {colored({0, 0, 0, 255}), colored({255, 255, 255, 255})};
+  const BakedMesh baked = baked_ok(bare(sheet), sheet, materials, {}, {1.0, 256, 2});
+  std::set<uint32_t> values;
+  for (const glm::u8vec4& p : baked.atlas.pixels) values.insert(p.r);
+  EXPECT_THAT(values, testing::UnorderedElementsAre(0U, 188U, 255U));
 }
 
 TEST(Bake, survives_triangles_without_area) {

@@ -275,6 +275,56 @@ TEST(ImportAssimp, off_stl_and_collada_are_read) {
   EXPECT_NEAR(box.max.z, 1, 1e-5);
 }
 
+constexpr const char* kWallIfc = R"(ISO-10303-21;
+HEADER;
+FILE_DESCRIPTION(('ViewDefinition [CoordinationView]'),'2;1');
+FILE_NAME('t.ifc','2020-01-01T00:00:00',(''),(''),'','','');
+FILE_SCHEMA(('IFC2X3'));
+ENDSEC;
+DATA;
+#80=IFCPERSON($,'a','b',$,$,$,$,$);
+#81=IFCORGANIZATION($,'o',$,$,$);
+#82=IFCPERSONANDORGANIZATION(#80,#81,$);
+#83=IFCAPPLICATION(#81,'1','x','x');
+#90=IFCOWNERHISTORY(#82,#83,$,.ADDED.,$,$,$,0);
+#1=IFCCARTESIANPOINT((0.,0.,0.));
+#2=IFCDIRECTION((0.,0.,1.));
+#3=IFCDIRECTION((1.,0.,0.));
+#4=IFCAXIS2PLACEMENT3D(#1,#2,#3);
+#5=IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-05,#4,$);
+#6=IFCSIUNIT(*,.LENGTHUNIT.,.MILLI.,.METRE.);
+#7=IFCUNITASSIGNMENT((#6));
+#8=IFCPROJECT('0001',#90,'p',$,$,$,$,(#5),#7);
+#10=IFCLOCALPLACEMENT($,#4);
+#11=IFCSITE('0002',#90,'s',$,$,#10,$,$,.ELEMENT.,$,$,$,$,$);
+#12=IFCBUILDING('0003',#90,'b',$,$,#10,$,$,.ELEMENT.,$,$,$);
+#13=IFCBUILDINGSTOREY('0004',#90,'st',$,$,#10,$,$,.ELEMENT.,0.);
+#14=IFCRELAGGREGATES('0005',#90,$,$,#8,(#11));
+#15=IFCRELAGGREGATES('0006',#90,$,$,#11,(#12));
+#16=IFCRELAGGREGATES('0007',#90,$,$,#12,(#13));
+#20=IFCCARTESIANPOINT((0.,0.));
+#21=IFCAXIS2PLACEMENT2D(#20,$);
+#22=IFCRECTANGLEPROFILEDEF(.AREA.,$,#21,2000.,1000.);
+#23=IFCEXTRUDEDAREASOLID(#22,#4,#2,5000.);
+#24=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#23));
+#25=IFCPRODUCTDEFINITIONSHAPE($,$,(#24));
+#26=IFCWALL('0008',#90,'wall',$,$,#10,#25,$);
+#27=IFCRELCONTAINEDINSPATIALSTRUCTURE('0009',#90,$,$,(#26),#13);
+ENDSEC;
+END-ISO-10303-21;
+)";
+
+TEST(ImportAssimp, ifc_wall_is_in_metres_z_up_and_classed) {
+  const Scene scene = imported("wall.ifc", kWallIfc);
+  ASSERT_EQ(scene.instances.size(), 1U);
+  EXPECT_EQ(scene.instances[0].class_name, "IfcWall");
+  EXPECT_EQ(count(scene, "triangles"), 12U);
+  const Box box = world_box(scene);
+  EXPECT_NEAR(box.min.z, 0, 1e-5);
+  EXPECT_NEAR(box.max.z, 5, 1e-5);
+  EXPECT_NEAR(box.size().x, 2, 1e-5);
+}
+
 TEST(ImportAssimp, broken_file_is_an_error_that_names_it) {
   const Result<Scene> scene = import_bytes("broken.fbx", "Kaydara FBX Binary  \0\x1a\0 and then nothing");
   ASSERT_FALSE(scene.ok());

@@ -129,7 +129,8 @@ inline Mesh box_city_block() {
   Mesh mesh;
   Numbers numbers(11);
   for (int house = 0; house < 4; ++house) {
-    const glm::vec3 o(30.0F * float(house % 2), 30.0F * float(house / 2), 0);
+    const int row = house / 2;
+    const glm::vec3 o(30.0F * float(house % 2), 30.0F * float(row), 0);
     const float w = numbers.between(14, 20), d = numbers.between(14, 20), h = numbers.between(9, 24);
     const glm::u8vec4 color(150 + house * 25, 160, 140, 255);
     const auto columns = static_cast<uint32_t>(w / 3), rows = static_cast<uint32_t>(h / 3);
@@ -161,6 +162,18 @@ inline Mesh disjoint_triangles(uint32_t triangles, float size = 0.3F, uint64_t s
     const glm::vec3 b = a + numbers.in_cube(size), c = a + numbers.in_cube(size);
     mesh.positions.insert(mesh.positions.end(), {a, b, c});
     for (uint32_t i = 0; i < 3; ++i) mesh.indices.push_back(t * 3 + i);
+  }
+  return mesh;
+}
+
+/// A flat disc of triangles that all meet in its middle.
+inline Mesh hub(uint32_t spokes) {
+  Mesh mesh;
+  mesh.positions.emplace_back(0, 0, 0);
+  for (uint32_t s = 0; s < spokes; ++s) {
+    const double phi = 2 * std::numbers::pi * s / spokes;
+    mesh.positions.emplace_back(std::cos(phi), std::sin(phi), 0);
+    mesh.indices.insert(mesh.indices.end(), {0, 1 + s, 1 + (s + 1) % spokes});
   }
   return mesh;
 }

@@ -88,7 +88,8 @@ inline Mesh bumpy_sphere(const glm::vec3& center, float radius, uint32_t rings, 
   return mesh;
 }
 
-/// Unconnected triangles of all sizes about the origin; about one in ten is needle-thin, one in twenty a point or a line.
+/// Unconnected triangles of all sizes about the origin; about one in ten is needle-thin, one in twenty a point or a
+/// line.
 inline Mesh triangle_soup(uint32_t count, double half, uint64_t seed) {
   Mesh mesh;
   Random random(seed);
@@ -130,7 +131,8 @@ inline Scene hostile_scene(uint64_t seed) {
   Random random(seed);
   Mesh huge;
   for (uint32_t i = 0; i < 40; ++i)
-    add_triangle(huge, random.point(random.below(4) == 0 ? 1e7 : 300), random.point(300), random.point(i % 3 == 0 ? 5 : 3000));
+    add_triangle(huge, random.point(random.below(4) == 0 ? 1e7 : 300), random.point(300),
+                 random.point(i % 3 == 0 ? 5 : 3000));
   scene.meshes.push_back(huge);
   Mesh specks;
   for (uint32_t i = 0; i < 400; ++i) {

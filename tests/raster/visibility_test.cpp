@@ -48,7 +48,8 @@ RasterView view_from_above(uint32_t width, uint32_t height, double scale) {
 }
 
 size_t covered(const Picture& p) {
-  return static_cast<size_t>(std::count_if(p.nodes.begin(), p.nodes.end(), [](uint32_t n) { return n != kNoTriangle; }));
+  return static_cast<size_t>(
+      std::count_if(p.nodes.begin(), p.nodes.end(), [](uint32_t n) { return n != kNoTriangle; }));
 }
 
 /// A convex polygon about the origin, cut into a fan at an inner point: all triangles share edges, corners lie on and
@@ -133,7 +134,8 @@ TEST_P(EachSimd, back_faces_show_only_where_a_mesh_is_two_sided) {
   RasterItem mirrored = one_sided;
   mirrored.model_from_mesh = glm::dmat4(1.0);
   (*mirrored.model_from_mesh)[0][0] = -1;
-  EXPECT_GT(covered(draw(above, {&mirrored, 1}, one_thread(GetParam()))), 400U) << "fronts of a mirrored mesh stay fronts";
+  EXPECT_GT(covered(draw(above, {&mirrored, 1}, one_thread(GetParam()))), 400U)
+      << "fronts of a mirrored mesh stay fronts";
   EXPECT_EQ(covered(draw(below, {&mirrored, 1}, one_thread(GetParam()))), 0U);
 }
 
@@ -144,16 +146,18 @@ TEST_P(EachSimd, the_nearer_wins_and_of_equal_ones_the_smaller_node) {
   Mesh nearer = mesh;
   for (glm::vec3& p : nearer.positions) p = p * 0.25F + glm::vec3(0, 0, 1e-4F);
   const PreparedMesh flat = *prepare(mesh, {}), above = *prepare(nearer, {});
-  const std::vector<RasterItem> items = {{&flat, 9, nullptr, {}}, {&flat, 4, nullptr, {}}, {&above, 12, nullptr, {}}, {&flat, 7, nullptr, {}}};
+  const std::vector<RasterItem> items = {
+      {&flat, 9, nullptr, {}}, {&flat, 4, nullptr, {}}, {&above, 12, nullptr, {}}, {&flat, 7, nullptr, {}}};
   const Picture p = draw(view_from_above(64, 64, 16), items, one_thread(GetParam()));
   EXPECT_EQ(p.nodes[32 * 64 + 32], 12U);
   EXPECT_EQ(p.nodes[40 * 64 + 32], 4U);
   EXPECT_EQ(p.triangles[40 * 64 + 32], 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Raster, EachSimd, testing::Values(Simd::portable, Simd::avx2, Simd::avx512), [](const auto& simd) {
-  return std::string(simd.param == Simd::portable ? "portable" : simd.param == Simd::avx2 ? "avx2" : "avx512");
-});
+INSTANTIATE_TEST_SUITE_P(
+    Raster, EachSimd, testing::Values(Simd::portable, Simd::avx2, Simd::avx512), [](const auto& simd) {
+      return std::string(simd.param == Simd::portable ? "portable" : simd.param == Simd::avx2 ? "avx2" : "avx512");
+    });
 
 std::vector<Scene> scenes() {
   std::vector<Scene> all;

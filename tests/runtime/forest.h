@@ -13,7 +13,7 @@
 namespace promenade::forest {
 
 /// Builds trees of squares. A node's picture is a square at x = 10 that fills its box's y and z.
-class Forest final : public ModelSource {
+class Forest : public ModelSource {
  public:
   explicit Forest(uint32_t segment_bytes = 1000) : segment_bytes_(segment_bytes) {
     model_.tables.materials.emplace_back();

@@ -1,0 +1,254 @@
+#include "runtime/cpu_renderer.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "raster/shade.h"
+
+namespace promenade {
+namespace {
+
+constexpr uint32_t kMaxTextureSide = 16384;
+
+/// Meshes and textures are drawn as they were staged: a handle shares what staging made.
+struct CpuStagedMesh final : StagedMesh {
+  std::shared_ptr<const PreparedMesh> mesh;  ///< null: could not be prepared
+  std::string defect;
+  std::vector<Material> materials;  ///< those that the mesh uses, as its attributes number them
+  uint64_t byte_size() const override {
+    return (mesh ? mesh->byte_size() : 0) + materials.size() * (sizeof(Material) + sizeof(raster_kernel::Surface));
+  }
+};
+
+struct CpuStagedTexture final : StagedTexture {
+  std::shared_ptr<const MipTexture> texture;
+  uint64_t byte_size() const override { return texture->byte_size(); }
+};
+
+struct CpuMesh {
+  std::shared_ptr<const PreparedMesh> mesh;  ///< null: the slot is free
+  std::unique_ptr<SurfaceTable> surfaces;
+  uint64_t bytes = 0;
+};
+
+/// The mesh with only the materials that it uses, in order of first use.
+Mesh with_own_materials(const Mesh& mesh, std::span<const Material> materials, std::vector<Material>& own) {
+  Mesh copy = mesh;
+  std::vector<uint32_t> number(materials.size(), kNoTexture);
+  if (copy.materials.empty() && !materials.empty()) own.push_back(materials[0]);
+  for (uint32_t& m : copy.materials) {
+    if (m >= materials.size()) continue;
+    if (number[m] == kNoTexture) {
+      number[m] = static_cast<uint32_t>(own.size());
+      own.push_back(materials[m]);
+    }
+    m = number[m];
+  }
+  return copy;
+}
+
+/// A picture that fits, by leaving out rows and columns; an empty one becomes a white pixel.
+Image fitting(const Image& image) {
+  if (image.pixels.empty() || image.width == 0 || image.height == 0) return {1, 1, {glm::u8vec4(255)}};
+  uint32_t step = 1;
+  while (std::max(image.width, image.height) / step > kMaxTextureSide) step *= 2;
+  Image out;
+  out.width = std::max(1U, image.width / step), out.height = std::max(1U, image.height / step);
+  out.pixels.reserve(size_t(out.width) * out.height);
+  for (uint32_t y = 0; y < out.height; ++y)
+    for (uint32_t x = 0; x < out.width; ++x) out.pixels.push_back(image.at(x * step, y * step));
+  return out;
+}
+
+ShadeOptions shading_of(const FrameView& view, const CpuRendererOptions& options) {
+  ShadeOptions o;
+  o.threads = options.threads, o.simd = options.simd;
+  o.textures = view.textures;
+  o.to_sun = view.lighting.to_sun, o.sun = view.lighting.sun;
+  o.sky_ambient = view.lighting.sky_ambient, o.ground_ambient = view.lighting.ground_ambient;
+  o.sky = view.background.sky, o.plain = view.background.plain;
+  o.zenith = view.background.zenith, o.horizon = view.background.horizon, o.below = view.background.below;
+  return o;
+}
+
+template <class T>
+uint32_t put_in_slot(std::vector<T>& slots, std::vector<uint32_t>& free, T value) {
+  if (free.empty()) {
+    slots.push_back(std::move(value));
+    return static_cast<uint32_t>(slots.size() - 1);
+  }
+  const uint32_t slot = free.back();
+  free.pop_back();
+  slots[slot] = std::move(value);
+  return slot;
+}
+
+class CpuRenderer final : public Renderer {
+ public:
+  explicit CpuRenderer(const CpuRendererOptions& options) : options_(options) {}
+
+  std::unique_ptr<StagedMesh> stage_mesh(const Mesh& mesh, std::span<const Material> materials) const override {
+    auto staged = std::make_unique<CpuStagedMesh>();
+    const Mesh own = with_own_materials(mesh, materials, staged->materials);
+    Result<PreparedMesh> prepared = prepare(own, staged->materials);
+    if (prepared)
+      staged->mesh = std::make_shared<const PreparedMesh>(std::move(*prepared));
+    else
+      staged->defect = prepared.error().message;
+    return staged;
+  }
+
+  std::unique_ptr<StagedTexture> stage_texture(const Image& image) const override {
+    auto staged = std::make_unique<CpuStagedTexture>();
+    staged->texture = std::make_shared<const MipTexture>(*MipTexture::make(fitting(image)));
+    return staged;
+  }
+
+  Result<MeshHandle> create_mesh(const StagedMesh& base, std::span<const TextureHandle> textures) override {
+    const auto& staged = static_cast<const CpuStagedMesh&>(base);
+    if (!staged.mesh) return Error{staged.defect};
+    std::vector<const MipTexture*> pointers;
+    for (const TextureHandle t : textures)
+      pointers.push_back(t == kNoTextureHandle ? nullptr : textures_[static_cast<uint32_t>(t)].get());
+    CpuMesh mesh;
+    mesh.mesh = staged.mesh;
+    mesh.surfaces = std::make_unique<SurfaceTable>(staged.materials, pointers);
+    mesh.bytes = staged.byte_size();
+    bytes_ += mesh.bytes;
+    return MeshHandle{put_in_slot(meshes_, free_meshes_, std::move(mesh))};
+  }
+
+  Result<TextureHandle> create_texture(const StagedTexture& base) override {
+    const auto& staged = static_cast<const CpuStagedTexture&>(base);
+    bytes_ += staged.texture->byte_size();
+    return TextureHandle{put_in_slot(textures_, free_textures_, staged.texture)};
+  }
+
+  void destroy(MeshHandle handle) override {
+    const auto slot = static_cast<uint32_t>(handle);
+    bytes_ -= meshes_[slot].bytes;
+    meshes_[slot] = {};
+    free_meshes_.push_back(slot);
+    drawn_ = false;  // its picture may look at the mesh
+  }
+
+  void destroy(TextureHandle handle) override {
+    const auto slot = static_cast<uint32_t>(handle);
+    bytes_ -= textures_[slot]->byte_size();
+    textures_[slot].reset();
+    free_textures_.push_back(slot);
+    drawn_ = false;
+  }
+
+  uint64_t bytes_of(MeshHandle mesh) const override { return meshes_[static_cast<uint32_t>(mesh)].bytes; }
+  uint64_t bytes_of(TextureHandle texture) const override {
+    return textures_[static_cast<uint32_t>(texture)]->byte_size();
+  }
+  uint64_t bytes() const override { return bytes_; }
+
+  uint64_t mesh_bytes_bound(uint64_t vertices, uint64_t triangles) const override {
+    return prepared_bytes_bound(vertices, triangles) +
+           (triangles + 1) * (sizeof(Material) + sizeof(raster_kernel::Surface));  // each triangle its own material
+  }
+
+  uint64_t texture_bytes_bound(uint32_t width, uint32_t height) const override {
+    uint64_t texels = 0;
+    uint64_t w = std::clamp(width, 1U, kMaxTextureSide), h = std::clamp(height, 1U, kMaxTextureSide);
+    for (; w > 1 || h > 1; w = std::max(uint64_t(1), w / 2), h = std::max(uint64_t(1), h / 2)) texels += (w + 1) * h;
+    return (texels + 2) * (sizeof(int32_t) + 1);
+  }
+
+  uint64_t frame_bytes(uint32_t width_px, uint32_t height_px) const override {
+    const uint64_t padded = (uint64_t(width_px) + 7) / 8 * 8 * ((uint64_t(height_px) + 7) / 8 * 8);
+    // Depth and id, the farthest depths of the tiles with their borders, the picture; twice where surfaces blend.
+    return 2 * (padded * 8 + padded / 4) + uint64_t(width_px) * height_px * 4;
+  }
+
+  Status draw(const FrameView& view, std::span<const DrawItem> items) override;
+  DrawCounts counts() const override {
+    return {drawn_buffer_.stats().triangles_drawn, drawn_buffer_.stats().items_drawn};
+  }
+
+  Result<Image> read_color() override;
+  Result<std::vector<float>> read_depth() override;
+  Result<std::vector<uint32_t>> read_nodes() override;
+
+ private:
+  Result<const VisibilityBuffer*> solid_picture();
+
+  CpuRendererOptions options_;
+  std::vector<CpuMesh> meshes_;
+  std::vector<std::shared_ptr<const MipTexture>> textures_;
+  std::vector<uint32_t> free_meshes_, free_textures_;
+  uint64_t bytes_ = 0;
+
+  // The frame drawn last.
+  bool drawn_ = false;
+  bool blended_ = false;      ///< it has surfaces that are seen through
+  bool solid_drawn_ = false;  ///< solid_buffer_ is of this frame
+  FrameView view_;
+  std::vector<RasterItem> items_;
+  VisibilityBuffer drawn_buffer_, solid_buffer_;
+  Image image_;
+};
+
+Status CpuRenderer::draw(const FrameView& view, std::span<const DrawItem> items) {
+  drawn_ = solid_drawn_ = blended_ = false;
+  view_ = view;
+  items_.clear();
+  for (const DrawItem& item : items) {
+    const CpuMesh& mesh = meshes_[static_cast<uint32_t>(item.mesh)];
+    RasterItem placed{mesh.mesh.get(), index_of(item.node), mesh.surfaces.get(), std::nullopt};
+    if (item.model_from_mesh != glm::mat4(1.0F)) placed.model_from_mesh = glm::dmat4(item.model_from_mesh);
+    blended_ = blended_ || has_blended(*mesh.mesh);
+    items_.push_back(placed);
+  }
+  VisibilityOptions options;
+  options.threads = options_.threads, options.simd = options_.simd;
+  PROMENADE_TRY(drawn_buffer_.draw(perspective_view(view.camera, view.model_origin), items_, options));
+  shade(drawn_buffer_, shading_of(view, options_), image_);
+  drawn_ = true;
+  return Done{};
+}
+
+/// The picture without what is seen through, whose depth and nodes are asked for.
+Result<const VisibilityBuffer*> CpuRenderer::solid_picture() {
+  if (!drawn_) return Error{"the CPU renderer has no frame: draw one before reading it"};
+  if (!blended_) return &drawn_buffer_;
+  if (!solid_drawn_) {
+    VisibilityOptions options;
+    options.threads = options_.threads, options.simd = options_.simd, options.draw_blended = false;
+    PROMENADE_TRY(solid_buffer_.draw(perspective_view(view_.camera, view_.model_origin), items_, options));
+    solid_drawn_ = true;
+  }
+  return &solid_buffer_;
+}
+
+Result<Image> CpuRenderer::read_color() {
+  if (image_.pixels.empty()) return Error{"the CPU renderer has no frame: draw one before reading it"};
+  return image_;
+}
+
+Result<std::vector<float>> CpuRenderer::read_depth() {
+  const Result<const VisibilityBuffer*> picture = solid_picture();
+  if (!picture) return picture.error();
+  std::vector<float> depth(size_t((*picture)->width_px()) * (*picture)->height_px());
+  (*picture)->read_depth_m(depth);
+  return depth;
+}
+
+Result<std::vector<uint32_t>> CpuRenderer::read_nodes() {
+  const Result<const VisibilityBuffer*> picture = solid_picture();
+  if (!picture) return picture.error();
+  std::vector<uint32_t> nodes(size_t((*picture)->width_px()) * (*picture)->height_px());
+  (*picture)->read_nodes(nodes);
+  return nodes;
+}
+
+}  // namespace
+
+std::unique_ptr<Renderer> create_cpu_renderer(const CpuRendererOptions& options) {
+  return std::make_unique<CpuRenderer>(options);
+}
+
+}  // namespace promenade

@@ -1,0 +1,209 @@
+#include "runtime/flight.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "runtime/brute_force.h"
+#include "runtime/gl_renderer.h"
+#include "tests/runtime/forest.h"
+#include "tests/runtime/null_renderer.h"
+#include "tests/runtime/scenes.h"
+
+namespace promenade {
+namespace {
+
+using forest::Forest;
+
+const Box kAhead{{10, -8, -1}, {10.5F, 8, 1}};
+
+struct Wood : Forest {
+  Wood() { grow(root(kAhead, 2), 3, 3); }
+};
+
+/// Two seconds of standing still, 10 frames a second.
+CameraPath standing() {
+  CameraPath path;
+  path.fps = 10;
+  path.keys = {{0, {}}, {2, {}}};
+  return path;
+}
+
+FlightOptions stepped(Policy policy) {
+  FlightOptions options;
+  options.session.select.policy = policy;
+  options.session.loader_thread = false;
+  options.width_px = options.height_px = 64;
+  options.vertical_fov_deg = 90;
+  options.session.loader.memory_bytes = uint64_t(64) << 20;
+  return options;
+}
+
+const FrameCallback kNothing = [](const FrameRow&, Renderer&) -> Status { return Done{}; };
+
+TEST(Flight, starts_with_roots_and_ends_with_all_detail) {
+  Wood model;
+  NullRenderer renderer;
+  JobMonitor monitor;
+  const Result<FlightReport> report =
+      fly(model, renderer, standing(), stepped(Policy::static_error), kNothing, monitor);
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->rows.size(), 21U);
+  EXPECT_EQ(report->rows.front().nodes_drawn, 1U);
+  EXPECT_GT(report->rows.front().nodes_missing, 0U);
+  EXPECT_EQ(report->rows.back().nodes_drawn, 27U);
+  EXPECT_EQ(report->rows.back().nodes_missing, 0U);
+  EXPECT_GT(report->totals.toggles_per_frame, 0);
+  EXPECT_EQ(report->totals.bytes_read, 40U * 1000U);
+  EXPECT_EQ(report->totals.bytes_read_useful, 28U * 1000U) << "the inner nodes were never shown";
+  EXPECT_LE(report->totals.resident_bytes_peak, uint64_t(64) << 20);
+  EXPECT_GT(report->totals.peak_rss_bytes, 1000000U);
+  EXPECT_EQ(renderer.bytes(), 0U) << "all handles given back";
+}
+
+TEST(Flight, slow_disk_gives_as_much_as_path_time_allows) {
+  Wood model;
+  NullRenderer renderer;
+  JobMonitor monitor;
+  FlightOptions options = stepped(Policy::static_error);
+  options.session.loader.disk_mbps = 0.01;  // a segment a path frame, however fast frames are drawn
+  const Result<FlightReport> report = fly(model, renderer, standing(), options, kNothing, monitor);
+  ASSERT_TRUE(report);
+  EXPECT_NEAR(double(report->totals.bytes_read), 21 * 1000, 2000);
+  EXPECT_GT(report->rows.back().nodes_missing, 0U);
+}
+
+TEST(Flight, every_policy_flies_with_and_without_a_thread) {
+  Wood model;
+  JobMonitor monitor;
+  for (const Policy policy : {Policy::none, Policy::static_error, Policy::time_slices, Policy::lakhia})
+    for (const bool thread : {false, true}) {
+      NullRenderer renderer;
+      FlightOptions options = stepped(policy);
+      options.session.loader_thread = thread;
+      const Result<FlightReport> report = fly(model, renderer, standing(), options, kNothing, monitor);
+      ASSERT_TRUE(report) << report.error().message;
+      EXPECT_EQ(report->rows.back().nodes_drawn, 27U) << name_of(policy);
+    }
+}
+
+TEST(Flight, real_time_takes_as_long_as_the_path) {
+  Wood model;
+  NullRenderer renderer;
+  JobMonitor monitor;
+  FlightOptions options = stepped(Policy::static_error);
+  options.session.loader_thread = true;
+  options.pacing = Pacing::real_time;
+  CameraPath path = standing();
+  path.fps = 100;
+  path.keys[1].t_s = 0.1;
+  const Result<FlightReport> report = fly(model, renderer, path, options, kNothing, monitor);
+  ASSERT_TRUE(report);
+  EXPECT_GE(report->rows.back().t_s, 0.0);
+  EXPECT_LE(report->rows.size(), 12U) << "no more than the path's own frames";
+}
+
+TEST(Flight, stops_with_the_callbacks_error_and_when_cancelled) {
+  Wood model;
+  NullRenderer renderer;
+  JobMonitor monitor;
+  const Result<FlightReport> failed = fly(
+      model, renderer, standing(), stepped(Policy::none),
+      [](const FrameRow& row, Renderer&) -> Status {
+        if (row.frame == 2) return Error{"disk full"};
+        return Done{};
+      },
+      monitor);
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().message, "disk full");
+  struct Stopped : JobMonitor {
+    bool cancelled() const override { return true; }
+  } stopped;
+  const Result<FlightReport> cancelled = fly(model, renderer, standing(), stepped(Policy::none), kNothing, stopped);
+  ASSERT_FALSE(cancelled);
+  EXPECT_EQ(cancelled.error().message, "interrupted");
+}
+
+TEST(Flight, totals_are_nearest_rank_and_population) {
+  std::vector<FrameRow> rows(4);
+  const double ms[] = {10, 20, 30, 100};
+  for (size_t i = 0; i < rows.size(); ++i) {
+    rows[i].frame_ms = ms[i];
+    rows[i].toggles = i;
+  }
+  const FlightTotals totals = totals_of(rows, 30);
+  EXPECT_EQ(totals.frame_ms_p50, 20);
+  EXPECT_EQ(totals.frame_ms_p99, 100);
+  EXPECT_NEAR(totals.frame_ms_stddev, 35.3553, 1e-3);
+  EXPECT_EQ(totals.toggles_per_frame, 1.5);
+  EXPECT_EQ(totals.stalls, 1U);
+}
+
+TEST(Flight, empty_path_and_model_are_refused) {
+  NullRenderer renderer;
+  JobMonitor monitor;
+  Wood wood;
+  EXPECT_FALSE(fly(wood, renderer, CameraPath{}, stepped(Policy::none), kNothing, monitor));
+  Forest empty;
+  EXPECT_FALSE(fly(empty, renderer, standing(), stepped(Policy::none), kNothing, monitor));
+}
+
+// --- with pictures ------------------------------------------------------------------------------------------------
+
+class Pictures : public testing::Test {
+ protected:
+  void SetUp() override {
+    Result<std::unique_ptr<GlContext>> context = create_offscreen_context(OffscreenKind::osmesa);
+    ASSERT_TRUE(context);
+    context_ = std::move(*context);
+    Result<std::unique_ptr<GlRenderer>> renderer = create_gl_renderer(*context_);
+    ASSERT_TRUE(renderer);
+    renderer_ = std::move(*renderer);
+  }
+  std::unique_ptr<GlContext> context_;
+  std::unique_ptr<GlRenderer> renderer_;
+};
+
+TEST_F(Pictures, settled_session_shows_the_leaves) {
+  Wood model;
+  SessionOptions options;
+  options.select.policy = Policy::static_error;
+  options.loader.memory_bytes = uint64_t(64) << 20;
+  {
+    Result<Session> session = Session::open(model, *renderer_, options);
+    ASSERT_TRUE(session) << session.error().message;
+    const Result<FrameRow> row = session->settle(scenes::looking_along_x());
+    ASSERT_TRUE(row);
+    EXPECT_EQ(row->nodes_drawn, 27U);
+    const std::vector<uint32_t> ids = *renderer_->read_nodes();
+    std::set<uint32_t> seen;
+    for (uint32_t x = 7; x < 57; ++x) seen.insert(ids[32 * 64 + x]);
+    EXPECT_EQ(seen.size(), 27U) << "16 m of 20 m across 64 pixels, two pixels a leaf";
+    for (const uint32_t id : seen) EXPECT_EQ(model.node(NodeId{id}).child_count, 0U);
+  }
+  EXPECT_EQ(renderer_->bytes(), 0U);
+}
+
+TEST_F(Pictures, brute_force_draws_instances_in_view) {
+  const Mesh square = scenes::square_at(10, 1);
+  const std::vector<Mesh> meshes = {square};
+  const std::vector<Material> materials = {scenes::colored(200, 100, 50)};
+  glm::mat4 left(1.0F), behind(1.0F);
+  left[3] = {0, 5, 0, 1};
+  behind[3] = {-100, 0, 0, 1};
+  {
+    BruteForceScene scene(*renderer_);
+    const std::vector<PlacedMesh> placed = {{0, NodeId{1}, glm::mat4(1)}, {0, NodeId{2}, left}, {0, NodeId{3}, behind}};
+    ASSERT_TRUE(scene.add(meshes, materials, {}, placed));
+    FrameView view;
+    view.camera = scenes::looking_along_x();
+    ASSERT_TRUE(scene.draw(view));
+    EXPECT_EQ(scene.nodes_drawn(), 2U);
+    const std::vector<uint32_t> ids = *renderer_->read_nodes();
+    EXPECT_EQ(ids[32 * 64 + 32], 1U);
+    EXPECT_EQ(ids[32 * 64 + 16], 2U);
+  }
+  EXPECT_EQ(renderer_->bytes(), 0U);
+}
+
+}  // namespace
+}  // namespace promenade
