@@ -1,12 +1,12 @@
 #include "datasets/glb_writer.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <glm/ext/matrix_transform.hpp>
+
+#include "tests/datasets/glb_small_disk.h"
 
 // Compiled here: Debian's library of it was built with other settings than its header shows, and its classes differ.
 #define TINYGLTF_IMPLEMENTATION
@@ -192,26 +192,6 @@ TEST_F(GlbWriterTest, names_a_folder_that_is_not_there) {
   EXPECT_NE(writer.error().message.find("out.glb"), std::string::npos);
   EXPECT_NE(writer.error().message.find("No such file"), std::string::npos);
 }
-
-/// No file of this process may grow beyond `bytes` while this lives: a disk that is full.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit small{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &small);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-  ~SmallDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, SIG_DFL);
-  }
-
- private:
-  rlimit before_{};
-};
 
 TEST_F(GlbWriterTest, a_full_disk_is_an_error_and_leaves_nothing) {
   const SmallDisk disk(100'000);

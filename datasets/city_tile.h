@@ -1,0 +1,37 @@
+#pragma once
+// One file of the city: blocks come in, a .glb goes out.
+
+#include <filesystem>
+#include <map>
+
+#include "datasets/city.h"
+#include "datasets/city_block.h"
+#include "datasets/glb_writer.h"
+
+namespace promenade {
+
+/// A facade's picture, encoded.
+struct EncodedFacade {
+  std::vector<std::byte> jpeg;
+  uint64_t pixels = 0;
+};
+
+/// Writes blocks in the order given. One thread.
+class CityTile {
+ public:
+  static Result<CityTile> create(const std::filesystem::path& path);
+  /// facades: by object; empty where an object has none. Counts what it writes in `figures`.
+  Status add(const CityBlock& block, uint32_t x, uint32_t y, const std::vector<EncodedFacade>& facades,
+             PropLibrary& props, CityFigures& figures);
+  Status finish() { return writer_.finish(); }
+
+ private:
+  explicit CityTile(GlbWriter writer) : writer_(std::move(writer)) {}
+  Status add_object(const UniqueObject& object, const EncodedFacade& facade, CityFigures& figures);
+  Status add_prop(const PropInstance& prop, const std::string& name, PropLibrary& props, CityFigures& figures);
+
+  GlbWriter writer_;
+  std::map<PropKind, uint32_t> mesh_of_;
+};
+
+}  // namespace promenade
