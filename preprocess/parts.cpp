@@ -89,6 +89,13 @@ void Parts::remove(uint32_t part) {
   if (hidden_in_tree_ * 2 > tree_triangles_.size()) build_tree();
 }
 
+uint32_t Parts::nearest_corner_besides(uint32_t part, const glm::vec3& point) {
+  hidden_[part] = 1;
+  const uint32_t corner = nearest_corner(point);
+  hidden_[part] = 0;
+  return corner;
+}
+
 uint32_t Parts::nearest_corner(const glm::vec3& point) const {
   const ClosestPointTree::Nearest found =
       tree_.nearest(point, {.group_of_triangle = part_of_tree_triangle_.data(), .group_hidden = hidden_.data()});

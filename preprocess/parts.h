@@ -33,6 +33,8 @@ class Parts {
   /// A corner, as the work mesh numbers them, of the triangle nearest to a point among the parts that remain; kNone
   /// where none does.
   uint32_t nearest_corner(const glm::vec3& point) const;
+  /// The same as if `part`, which remains, did not.
+  uint32_t nearest_corner_besides(uint32_t part, const glm::vec3& point);
 
  private:
   void build_tree();

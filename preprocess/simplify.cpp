@@ -22,6 +22,12 @@ constexpr double kMostLockedShare = 0.25;
 /// Measured costs may exceed the cheapest in the queue by this factor before something else is tried first.
 constexpr float kPatience = 1.2F;
 
+/// Colours that differ by less pass for the same paint, in parts of black and white.
+constexpr float kPaintContrast = 0.1F;
+/// What a metre of a painted part's width is worth, as for borders between colours: at most that of the wrong colour is
+/// shown.
+constexpr float kPaintWeight = 0.25F;
+
 /// Bits of the cell's faces that each place lies on.
 std::vector<uint8_t> find_cell_faces(const WorkMesh& work, const Box& cell) {
   std::vector<uint8_t> faces(work.place_count(), 0);
@@ -41,6 +47,7 @@ class Simplifier {
  public:
   Simplifier(WorkMesh& work, const Mesh& source, const SimplifyOptions& options)
       : work_(work),
+        source_(source),
         cell_faces_(find_cell_faces(work, options.cell)),
         parts_(work),
         collapser_(work, source, cell_faces_),
@@ -126,6 +133,8 @@ class Simplifier {
     gather_points(part, limit);
     const float cost = parts_.removal_cost(part, points_, limit);
     if (cost > limit) return queue_.set(places() + part, cost);
+    const float paint = paint_cost(part);
+    if (paint > limit) return queue_.set(places() + part, paint);
     parts_.remove(part);
     for (const uint32_t t : parts_.triangles(part)) {
       if (work_.alive[t] == 0) continue;
@@ -157,6 +166,34 @@ class Simplifier {
     }
   }
 
+  /// What a part is worth as paint: a zebra crossing lies on its street at no distance, but its loss shows while its
+  /// width does. 0 where what remains beside it has its colour.
+  float paint_cost(uint32_t part) {
+    if (source_.colors.empty()) return 0;
+    uint32_t shown = WorkMesh::kNone;
+    double area = 0;
+    Box box;
+    for (const uint32_t t : parts_.triangles(part)) {
+      if (work_.alive[t] == 0) continue;
+      if (shown == WorkMesh::kNone) shown = t * 3;
+      const glm::vec3 a = work_.at(t * 3), b = work_.at(t * 3 + 1), c = work_.at(t * 3 + 2);
+      area += 0.5 * double(glm::length(glm::cross(b - a, c - a)));
+      box.add(a), box.add(b), box.add(c);
+    }
+    if (shown == WorkMesh::kNone || box.diagonal() <= 0) return 0;
+    const auto width = static_cast<float>(area / double(box.diagonal()));
+    constexpr size_t kSamples = 8;  // enough to tell paint from a piece of the same wall
+    const size_t stride = points_.size() / kSamples + 1;
+    float contrast = 0;
+    for (size_t i = 0; i < points_.size(); i += stride) {
+      const uint32_t corner = parts_.nearest_corner_besides(part, points_[i]);
+      if (corner == WorkMesh::kNone) return 0;
+      contrast = std::max(
+          contrast, color_contrast(source_.colors[work_.attributes[shown]], source_.colors[work_.attributes[corner]]));
+    }
+    return contrast >= kPaintContrast ? width * kPaintWeight : 0;
+  }
+
   /// What no collapse and no removal can take: single triangles and sheets back to back.
   void kill_smallest() {
     std::vector<std::pair<float, uint32_t>> by_area;
@@ -169,6 +206,7 @@ class Simplifier {
   }
 
   WorkMesh& work_;
+  const Mesh& source_;
   std::vector<uint8_t> cell_faces_;
   Parts parts_;
   Collapser collapser_;

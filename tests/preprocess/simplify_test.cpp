@@ -92,6 +92,29 @@ TEST(Simplify, tiny_parts_vanish_before_the_shape_suffers) {
   EXPECT_NEAR(surface_area_m2(result), area, 0.01 * area);
 }
 
+TEST(Simplify, a_zebra_crossing_outlives_pebbles_that_stand_higher_above_the_street) {
+  constexpr glm::u8vec4 kAsphalt{70, 70, 74, 255}, kWhite{235, 235, 235, 255};
+  Mesh mesh = flat_grid(10, 20);
+  mesh.colors.assign(mesh.vertex_count(), kAsphalt);
+  for (int i = 0; i < 40; ++i) {
+    const glm::vec3 corner(0.3F + 0.47F * float(i), 15, 0);
+    add_box(mesh, corner, corner + glm::vec3(0.06F), kAsphalt);
+  }
+  for (int i = 0; i < 8; ++i) {
+    Mesh stripe = flat_grid(1);
+    for (glm::vec3& p : stripe.positions) p = glm::vec3(1 + i + 0.5F * p.x, 5 + 4 * p.y, 0.01F);
+    stripe.colors.assign(stripe.vertex_count(), kWhite);
+    append(mesh, stripe);
+  }
+  const Mesh result = simplified(mesh, 40);
+  expect_sound(mesh, result, 40);
+  double white_m2 = 0;
+  for (size_t t = 0; t < result.triangle_count(); ++t)
+    if (result.colors[result.indices[t * 3]] == kWhite)
+      white_m2 += 0.5 * double(glm::length(triangle_cross(result, t)));
+  EXPECT_NEAR(white_m2, 8 * 0.5 * 4, 1e-3);
+}
+
 TEST(Simplify, a_lone_part_far_away_outlives_larger_ones_that_lie_close) {
   Mesh mesh;
   add_box(mesh, glm::vec3(0), glm::vec3(10), {255, 255, 255, 255});
