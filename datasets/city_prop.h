@@ -24,7 +24,8 @@ struct PropKind {
   PropClass prop = PropClass::car;
   uint32_t variant = 0;
   int level = 1;
-  auto operator<=>(const PropKind&) const = default;
+  auto operator<=>(const PropKind&) const =
+      default;  // NOLINT(modernize-use-nullptr): what it writes inside is not ours
 };
 
 /// Standing on z = 0 at the origin; cars along x, signs and benches facing -y. With normals and colours.

@@ -116,7 +116,7 @@ void SmoothShape::grid(std::span<const glm::vec3> points, size_t columns,
 
 void SmoothShape::blob(const glm::vec3& center, const glm::vec3& radii, int rings, int sides,
                        const std::function<float(const glm::vec3&)>& radius_of) {
-  const auto columns = static_cast<size_t>(sides + 1);
+  const auto columns = static_cast<size_t>(sides) + 1;
   std::vector<glm::vec3> points;
   for (int r = 0; r <= rings; ++r)
     for (int s = 0; s <= sides; ++s) {
