@@ -171,17 +171,19 @@ class Simplifier {
   float paint_cost(uint32_t part) {
     if (source_.colors.empty()) return 0;
     uint32_t shown = WorkMesh::kNone;
-    double area = 0;
+    glm::vec3 front_m2(0), back_m2(0);  // what is seen of it along each axis, from either end
     Box box;
     for (const uint32_t t : parts_.triangles(part)) {
       if (work_.alive[t] == 0) continue;
       if (shown == WorkMesh::kNone) shown = t * 3;
       const glm::vec3 a = work_.at(t * 3), b = work_.at(t * 3 + 1), c = work_.at(t * 3 + 2);
-      area += 0.5 * double(glm::length(glm::cross(b - a, c - a)));
+      const glm::vec3 half_cross = 0.5F * glm::cross(b - a, c - a);
+      front_m2 += glm::max(half_cross, glm::vec3(0)), back_m2 += glm::max(-half_cross, glm::vec3(0));
       box.add(a), box.add(b), box.add(c);
     }
     if (shown == WorkMesh::kNone || box.diagonal() <= 0) return 0;
-    const auto width = static_cast<float>(area / double(box.diagonal()));
+    const glm::vec3 seen_m2 = glm::max(front_m2, back_m2);
+    const float width = std::max({seen_m2.x, seen_m2.y, seen_m2.z}) / box.diagonal();
     constexpr size_t kSamples = 8;  // enough to tell paint from a piece of the same wall
     const size_t stride = points_.size() / kSamples + 1;
     float contrast = 0;

@@ -98,11 +98,13 @@ TEST(Simplify, a_zebra_crossing_outlives_pebbles_that_stand_higher_above_the_str
   mesh.colors.assign(mesh.vertex_count(), kAsphalt);
   for (int i = 0; i < 40; ++i) {
     const glm::vec3 corner(0.3F + 0.47F * float(i), 15, 0);
-    add_box(mesh, corner, corner + glm::vec3(0.06F), kAsphalt);
+    Mesh pebble;
+    add_box(pebble, corner, corner + glm::vec3(0.06F), kAsphalt);
+    append(mesh, pebble);
   }
   for (int i = 0; i < 8; ++i) {
     Mesh stripe = flat_grid(1);
-    for (glm::vec3& p : stripe.positions) p = glm::vec3(1 + i + 0.5F * p.x, 5 + 4 * p.y, 0.01F);
+    for (glm::vec3& p : stripe.positions) p = glm::vec3(1 + float(i) + 0.5F * p.x, 5 + 4 * p.y, 0.01F);
     stripe.colors.assign(stripe.vertex_count(), kWhite);
     append(mesh, stripe);
   }
