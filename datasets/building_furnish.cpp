@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/building_random.h"
+#include "datasets/random.h"
 #include "datasets/shapes.h"
 
 namespace promenade {
@@ -44,7 +44,7 @@ class Furnisher {
   uint32_t any(const char* kind) { return random.below(catalogue_.variants(kind)); }
   double density() const { return density_; }
 
-  BuildingRandom random;
+  Random random;
 
  private:
   const FurnitureCatalogue& catalogue_;
@@ -60,28 +60,28 @@ class Furnisher {
 /// What lies on a desk 0.74 m high; its user sits at -y.
 void dress_desk(Furnisher& f, const glm::dmat4& desk, bool lamp) {
   const auto on = [&](double x, double y, double turn = 0) { return desk * moved({x, y, 0.74}) * turned_z(turn); };
-  f.add("monitor", f.any("monitor"), on(-0.05, 0.17, f.random.between(-6, 6)));
+  f.add("monitor", f.any("monitor"), on(-0.05, 0.17, f.random.range(-6.0, 6.0)));
   const uint32_t keys = f.any("keyboard");
   f.add("keyboard", keys, on(-0.05, -0.16));
-  f.add("mouse", keys, on(0.32, -0.17, f.random.between(-10, 10)));
+  f.add("mouse", keys, on(0.32, -0.17, f.random.range(-10.0, 10.0)));
   if (lamp) f.add("desk_lamp", f.any("desk_lamp"), on(-0.62, 0.22, 35));
   if (f.random.chance(0.6)) f.loose("telephone", f.any("telephone"), on(0.62, 0.15, -20));
-  if (f.random.chance(0.3)) f.loose("mug", f.any("mug"), on(-0.45, -0.1, f.random.between(0, 360)));
+  if (f.random.chance(0.3)) f.loose("mug", f.any("mug"), on(-0.45, -0.1, f.random.range(0.0, 360.0)));
   if (f.random.chance(0.4)) f.loose("pencil_cup", f.any("pencil_cup"), on(0.42, 0.25));
-  if (f.random.chance(0.4)) f.loose("papers", f.any("papers"), on(-0.5, -0.22, f.random.between(-15, 15)));
-  if (f.random.chance(0.7)) f.loose("book_pile", f.any("book_pile"), on(0.62, -0.18, f.random.between(-20, 20)));
+  if (f.random.chance(0.4)) f.loose("papers", f.any("papers"), on(-0.5, -0.22, f.random.range(-15.0, 15.0)));
+  if (f.random.chance(0.7)) f.loose("book_pile", f.any("book_pile"), on(0.62, -0.18, f.random.range(-20.0, 20.0)));
   const int pencils = 1 + static_cast<int>(f.random.below(2));
   for (int i = 0; i < pencils; ++i)
-    f.loose("pencil", f.any("pencil"), on(0.42 - 0.02 * i, -0.3 + 0.03 * i, f.random.between(-40, 40)));
+    f.loose("pencil", f.any("pencil"), on(0.42 - 0.02 * i, -0.3 + 0.03 * i, f.random.range(-40.0, 40.0)));
   if (f.random.chance(0.15)) f.loose("desk_plant", f.any("desk_plant"), on(-0.68, -0.05));
 }
 
 /// Fills a one-sided bookcase with runs of books, some boards with boxes or a plant.
 void fill_shelf(Furnisher& f, const glm::dmat4& shelf, double fullness) {
   for (uint32_t board = 0; board < kShelfBoards; ++board) {
-    const double z = kShelfFirst_m + board * kShelfPitch_m;
+    const double z = kShelfFirstM + board * kShelfPitchM;
     if (f.random.chance(fullness)) {
-      f.loose("book_run", f.any("book_run"), shelf * moved({0, kSpineOneSided_m, z}));
+      f.loose("book_run", f.any("book_run"), shelf * moved({0, kSpineOneSidedM, z}));
     } else if (f.random.chance(0.3)) {
       f.loose("papers", f.any("papers"), shelf * moved({-0.21, -0.005, z}));
     } else if (f.random.chance(0.5)) {
@@ -95,17 +95,17 @@ void fill_shelf(Furnisher& f, const glm::dmat4& shelf, double fullness) {
 void fill_stacks(Furnisher& f, const glm::dmat4& shelf, uint32_t book_variants) {
   for (const double side : {0.0, 180.0}) {
     for (uint32_t board = 0; board < kShelfBoards; ++board) {
-      const double end = kShelfInnerHalf_m * f.random.between(0.45, 1.0);
-      double x = -kShelfInnerHalf_m;
+      const double end = kShelfInnerHalfM * f.random.range(0.45, 1.0);
+      double x = -kShelfInnerHalfM;
       while (true) {
         const uint32_t book = f.random.below(book_variants);
         const BookSize size = book_size(book);
         if (x + size.width_m > end) break;
         f.loose("book", book,
                 shelf * turned_z(side) *
-                    moved({x + size.width_m / 2, kSpineTwoSided_m + f.random.between(0, 0.02),
-                           kShelfFirst_m + board * kShelfPitch_m}));
-        x += size.width_m + f.random.between(0.001, 0.004);
+                    moved({x + size.width_m / 2, kSpineTwoSidedM + f.random.range(0.0, 0.02),
+                           kShelfFirstM + board * kShelfPitchM}));
+        x += size.width_m + f.random.range(0.001, 0.004);
       }
     }
   }
@@ -134,25 +134,26 @@ void furnish_office(Furnisher& f, const RoomSize& r) {
   dress_desk(f, desk, true);
   const uint32_t chair = f.any("office_chair");
   f.add("office_chair", chair,
-        desk * moved({f.random.between(-0.15, 0.1), -0.68, 0}) * turned_z(180 + f.random.between(-25, 25)));
+        desk * moved({f.random.range(-0.15, 0.1), -0.68, 0}) * turned_z(180 + f.random.range(-25.0, 25.0)));
   f.add("waste_bin", 2 * f.random.below(2), desk * moved({-0.95, 0.1, 0}));
   if (f.random.chance(0.6)) f.add("tower", f.any("tower"), desk * moved({-0.5, 0.1, 0}));
   const uint32_t visitor = f.any("visitor_chair");
   if (facing_door) {
     for (const double side : f.random.chance(0.3) ? std::vector<double>{-0.42, 0.42} : std::vector<double>{0.1})
-      f.put("visitor_chair", visitor, u + side, v - 0.95, 0, kInward + f.random.between(-12, 12));
+      f.put("visitor_chair", visitor, u + side, v - 0.95, 0, kInward + f.random.range(-12.0, 12.0));
   } else {
-    f.put("visitor_chair", visitor, r.w - 1.55, v - 1.25, 0, kInward + f.random.between(-20, 20));
-    if (f.random.chance(0.4)) f.put("visitor_chair", visitor, 0.42, r.d - 2.1, 0, kToRight + f.random.between(-10, 10));
+    f.put("visitor_chair", visitor, r.w - 1.55, v - 1.25, 0, kInward + f.random.range(-20.0, 20.0));
+    if (f.random.chance(0.4))
+      f.put("visitor_chair", visitor, 0.42, r.d - 2.1, 0, kToRight + f.random.range(-10.0, 10.0));
   }
   const int shelves = f.random.chance(0.25) ? 2 : 1;
   for (int i = 0; i < shelves; ++i)
     fill_shelf(f, f.put("bookshelf", wood, r.w - 0.16, 0.85 + 0.92 * i, 0, kToLeft), 0.5);
   f.put("filing_cabinet", f.any("filing_cabinet"), r.w - 0.31, 1.1 + 0.92 * shelves, 0, kToLeft);
-  if (f.random.chance(0.5)) f.put("plant", f.any("plant"), 0.45, r.d - 0.5, 0, f.random.between(0, 360));
+  if (f.random.chance(0.5)) f.put("plant", f.any("plant"), 0.45, r.d - 0.5, 0, f.random.range(0.0, 360.0));
   if (f.random.chance(0.7)) f.put("whiteboard", f.random.chance(0.5) ? 0 : 2, 0, 2.9, 1.5, kToRight);
   if (f.random.chance(0.6))
-    f.put("picture", f.any("picture"), r.w, r.d - 1.6 + f.random.between(-0.2, 0.2), 1.65, kToLeft);
+    f.put("picture", f.any("picture"), r.w, r.d - 1.6 + f.random.range(-0.2, 0.2), 1.65, kToLeft);
   if (f.random.chance(0.4)) f.put("picture", f.any("picture"), r.w * 0.62, 0, 1.6, kInward);
   if (f.random.chance(0.3)) f.put("coat_stand", 0, r.w - 0.5, 0.24);
   if (f.random.chance(0.3)) f.put("floor_lamp", f.any("floor_lamp"), r.w - 0.35, r.d - 0.4);
@@ -167,7 +168,7 @@ void furnish_student_office(Furnisher& f, const RoomSize& r) {
       const glm::dmat4 desk = f.put("desk", 4, u, far ? r.d - 0.55 : r.d - 1.42, 0, far ? kToDoor + 180 : kToDoor);
       dress_desk(f, desk, f.random.chance(0.12));
       f.add("task_chair", f.any("task_chair"),
-            desk * moved({0, far ? -0.6 : -0.68, 0}) * turned_z(180 + f.random.between(-30, 30)));
+            desk * moved({0, far ? -0.6 : -0.68, 0}) * turned_z(180 + f.random.range(-30.0, 30.0)));
     }
   }
   for (int i = 0; i < 2; ++i) fill_shelf(f, f.put("bookshelf", 1, r.w - 0.55 - 0.92 * i, 0.16, 0, kInward), 0.7);
@@ -184,13 +185,13 @@ void furnish_laboratory(Furnisher& f, const RoomSize& r) {
     for (int column = 0; column < columns; ++column) {
       const glm::dmat4 desk = f.put("lab_bench", style, 3.0 + 2.0 * column, 2.2 + 2.0 * row);
       const auto on = [&](double x, double y, double turn) { return desk * moved({x, y, 0.74}) * turned_z(turn); };
-      f.add("monitor", f.any("monitor"), on(0, 0.15, f.random.between(-8, 8)));
+      f.add("monitor", f.any("monitor"), on(0, 0.15, f.random.range(-8.0, 8.0)));
       f.add("keyboard", style, on(-0.05, -0.18, 0));
       f.add("mouse", style, on(0.35, -0.18, 0));
       f.add("tower", style, desk * moved({0.55, 0.1, 0}));
-      if (f.random.chance(0.3)) f.loose("papers", f.any("papers"), on(-0.5, -0.15, f.random.between(-20, 20)));
+      if (f.random.chance(0.3)) f.loose("papers", f.any("papers"), on(-0.5, -0.15, f.random.range(-20.0, 20.0)));
       f.add("task_chair", style + f.random.below(2),
-            desk * moved({f.random.between(-0.15, 0.15), -0.66, 0}) * turned_z(180 + f.random.between(-40, 40)));
+            desk * moved({f.random.range(-0.15, 0.15), -0.66, 0}) * turned_z(180 + f.random.range(-40.0, 40.0)));
     }
   }
   f.put("whiteboard", 1, r.w, 2.4, 1.5, kToLeft);
@@ -200,7 +201,7 @@ void furnish_laboratory(Furnisher& f, const RoomSize& r) {
   f.put("copier", 0, r.w - 1.6, 0.45, 0, kInward);
   f.put("server_rack", f.any("server_rack"), r.w - 2.7, 0.55, 0, kInward);
   f.put("waste_bin", 0, 2.3, 0.3), f.put("waste_bin", 1, r.w - 3.4, 0.3);
-  f.put("projector", 0, r.w - 3, r.d / 2, kCeiling_m, kToRight);
+  f.put("projector", 0, r.w - 3, r.d / 2, kCeilingM, kToRight);
   f.put("clock", 0, r.w / 2, r.d, 2.4);
   f.put("plant", f.any("plant"), r.w - 0.45, r.d - 0.45);
 }
@@ -214,7 +215,7 @@ void furnish_class_room(Furnisher& f, const RoomSize& r) {
       // Its user looks at the board on the right: the table's far side is there.
       f.put("class_table", top, u, v, 0, kToLeft);
       for (const double side : {-0.32, 0.32}) {
-        f.put("stacking_chair", chair, u - 0.45, v + side, 0, kToRight + f.random.between(-8, 8));
+        f.put("stacking_chair", chair, u - 0.45, v + side, 0, kToRight + f.random.range(-8.0, 8.0));
         if (f.random.chance(0.15)) f.put("papers", 0, u, v + side, 0.74, 90);
       }
     }
@@ -224,7 +225,7 @@ void furnish_class_room(Furnisher& f, const RoomSize& r) {
   f.add("laptop", f.any("laptop"), desk * moved({0, 0, 0.74}));
   f.add("visitor_chair", 2, desk * moved({0, -0.62, 0}) * turned_z(180));
   f.put("lectern", 0, r.w - 1.2, 1.5, 0, kToRight);
-  f.put("projector", 0, r.w - 3.4, r.d / 2, kCeiling_m, kToRight);
+  f.put("projector", 0, r.w - 3.4, r.d / 2, kCeilingM, kToRight);
   f.put("clock", 0, r.w, 0.9, 2.3, kToLeft);
   f.put("notice_board", f.any("notice_board"), 4, 0, 1.5, kInward);
   f.put("waste_bin", 1, r.w - 0.4, 0.4);
@@ -232,12 +233,12 @@ void furnish_class_room(Furnisher& f, const RoomSize& r) {
 }
 
 void furnish_auditorium(Furnisher& f, const RoomSize& r) {
-  const double rise = kStorey_m / kRows;
-  const int seats = static_cast<int>((r.w - 2 * kAisle_m - 0.1) / 0.55);
+  const double rise = kStoreyM / kRows;
+  const int seats = static_cast<int>((r.w - 2 * kAisleM - 0.1) / 0.55);
   const double first = (r.w - (seats - 1) * 0.55) / 2;
   for (uint32_t row = 0; row < kRows; ++row) {
     for (int seat = 0; seat < seats; ++seat)
-      f.put("auditorium_seat", row % 2, first + 0.55 * seat, kFrontRow_m + kRowDepth_m * row + 0.62, (row + 1) * rise);
+      f.put("auditorium_seat", row % 2, first + 0.55 * seat, kFrontRowM + kRowDepthM * row + 0.62, (row + 1) * rise);
   }
   f.put("projection_screen", 1, r.w - 4.2, 0, 1.3, kInward);
   f.put("lectern", 0, r.w - 1.6, 1.5, 0, kToDoor + 180);
@@ -245,9 +246,9 @@ void furnish_auditorium(Furnisher& f, const RoomSize& r) {
   f.add("laptop", 0, desk * moved({0.2, 0, 0.74}));
   f.add("mug", 1, desk * moved({-0.3, 0.1, 0.74}));
   f.put("blackboard", 0, 0, 1.5, 1.6, kToRight);
-  f.put("projector", 0, r.w - 4.2, r.d * 0.55, kStorey_m + 3.35, kToDoor);
+  f.put("projector", 0, r.w - 4.2, r.d * 0.55, kStoreyM + 3.35, kToDoor);
   for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 5; ++k) f.put("ceiling_panel", 0, r.w * (i + 0.5) / 4, r.d * (k + 0.5) / 5, kStorey_m + 3.35);
+    for (int k = 0; k < 5; ++k) f.put("ceiling_panel", 0, r.w * (i + 0.5) / 4, r.d * (k + 0.5) / 5, kStoreyM + 3.35);
   }
   for (const double v : {5.0, 8.5, 12.0}) {
     f.put("picture", f.any("picture"), r.w, v, 2.2 + v * 0.25, kToLeft);
@@ -266,23 +267,23 @@ void furnish_conference(Furnisher& f, const RoomSize& r) {
     for (int i = 0; i < 3; ++i) {
       for (const double side : {-1.0, 1.0}) {
         const glm::dmat4 at = table * moved({-1.1 + 1.1 * i, side * 1.08, 0}) *
-                              turned_z((side > 0 ? 0 : 180) + f.random.between(-14, 14));
+                              turned_z((side > 0 ? 0 : 180) + f.random.range(-14.0, 14.0));
         f.add("conference_chair", chair, at);
         if (f.random.chance(0.3))
           f.loose("papers", 0,
-                  table * moved({-1.1 + 1.1 * i, side * 0.42, 0.74}) * turned_z(f.random.between(-15, 15)));
+                  table * moved({-1.1 + 1.1 * i, side * 0.42, 0.74}) * turned_z(f.random.range(-15.0, 15.0)));
         if (f.random.chance(0.3))
           f.loose("mug", f.any("mug"),
-                  table * moved({-0.85 + 1.1 * i, side * 0.36, 0.74}) * turned_z(f.random.between(0, 360)));
+                  table * moved({-0.85 + 1.1 * i, side * 0.36, 0.74}) * turned_z(f.random.range(0.0, 360.0)));
         if (f.random.chance(0.3))
           f.loose("pencil", f.any("pencil"),
-                  table * moved({-1.1 + 1.1 * i, side * 0.25, 0.74}) * turned_z(f.random.between(-40, 40)));
+                  table * moved({-1.1 + 1.1 * i, side * 0.25, 0.74}) * turned_z(f.random.range(-40.0, 40.0)));
       }
     }
     for (const double end : {-1.0, 1.0})
       f.add("conference_chair", chair, table * moved({end * 2.2, 0, 0}) * turned_z(end > 0 ? 90 : -90));
     f.add("laptop", f.any("laptop"), table * moved({1.2, 0, 0.74}) * turned_z(90));
-    f.put("projector", 0, u, v, kCeiling_m, kToRight);
+    f.put("projector", 0, u, v, kCeilingM, kToRight);
   }
   f.put("projection_screen", 0, r.w, r.d * 0.5, 0.9, kToLeft);
   f.put("whiteboard", 1, r.w * 0.55, 0, 1.5, kInward);
@@ -309,7 +310,7 @@ void furnish_library(Furnisher& f, const RoomSize& r, uint32_t book_variants) {
         for (const double side : {-1.0, 1.0})
           f.add("visitor_chair", 2, table * moved({x, side * 0.75, 0}) * turned_z(side > 0 ? 0 : 180));
         f.loose("book_pile", f.any("book_pile"),
-                table * moved({x, f.random.between(-0.3, 0.3), 0.74}) * turned_z(f.random.between(0, 90)));
+                table * moved({x, f.random.range(-0.3, 0.3), 0.74}) * turned_z(f.random.range(0.0, 90.0)));
       }
       f.add("desk_lamp", 1, table * moved({0, 0.1, 0.74}));
     }
@@ -362,7 +363,7 @@ void furnish_lobby(Furnisher& f, const RoomSize& r) {
   f.loose("book_pile", 1, table * moved({0.2, 0, 0.4})), f.loose("papers", 1, table * moved({-0.25, 0.1, 0.4}));
   f.put("sculpture", 0, m - 2.6, r.d - 1.2);
   for (const double u : {0.6, r.w - 0.6}) f.put("plant", f.any("plant"), u, 0.6), f.put("plant", 3, u, r.d - 0.7);
-  for (int i = 0; i < 4; ++i) f.put("pendant", static_cast<uint32_t>(i), m - 5.25 + 3.5 * i, r.d * 0.5, kCeiling_m);
+  for (int i = 0; i < 4; ++i) f.put("pendant", static_cast<uint32_t>(i), m - 5.25 + 3.5 * i, r.d * 0.5, kCeilingM);
   f.put("notice_board", 1, 0, r.d / 2, 1.5, kToRight);
   f.put("floor_lamp", 0, r.w - 0.8, 4.4);
   f.put("picture", 0, r.w, 2.7, 1.6, kToLeft), f.put("picture", 3, r.w, 3.9, 1.6, kToLeft);
@@ -383,7 +384,7 @@ void furnish_lounge(Furnisher& f, const RoomSize& r) {
   }
   f.put("vending_machine", 0, r.w - 0.6, 0.45, 0, kInward), f.put("water_cooler", 0, r.w - 1.4, 0.25, 0, kInward);
   f.put("plant", 3, 0.45, r.d - 0.45), f.put("plant", 2, r.w - 0.45, r.d - 0.45), f.put("plant", 5, r.w - 0.5, 1.3);
-  f.put("pendant", f.any("pendant"), r.w * 0.5, r.d * 0.6, kCeiling_m);
+  f.put("pendant", f.any("pendant"), r.w * 0.5, r.d * 0.6, kCeilingM);
   f.put("picture", f.any("picture"), r.w, r.d * 0.5, 1.7, kToLeft);
 }
 
@@ -395,13 +396,13 @@ void furnish_storage(Furnisher& f, const RoomSize& r) {
       for (const double x : {-0.21, 0.21}) {
         if (f.random.chance(0.28))
           f.loose("cardboard_box", f.any("cardboard_box"),
-                  shelf * moved({x, -0.01, kShelfFirst_m + board * kShelfPitch_m}));
+                  shelf * moved({x, -0.01, kShelfFirstM + board * kShelfPitchM}));
       }
     }
   }
   for (int i = 0; i < 4; ++i)
     f.loose("cardboard_box", 0,
-            f.put("cardboard_box", 1, 0.45 + 0.5 * (i % 2), r.d - 0.4 - 0.4 * (i / 2), 0, f.random.between(-10, 10)) *
+            f.put("cardboard_box", 1, 0.45 + 0.5 * (i % 2), r.d - (i < 2 ? 0.4 : 0.8), 0, f.random.range(-10.0, 10.0)) *
                 moved({0, 0, 0.27}));
   if (r.w > 2.6) f.put("lockers", f.any("lockers"), 0.9, r.d - 1.5, 0, kToDoor);
 }
@@ -425,11 +426,10 @@ void furnish_corridor(Furnisher& f, const RoomSize& r) {
                   : f.put(kind, variant, width - side, along, w, turn + 90);
   };
   const int lights = static_cast<int>(length / 4.6);
-  for (int i = 0; i < lights; ++i)
-    at("ceiling_panel", 0, length * (i + 0.5) / lights, width / 2, kCorridorCeiling_m, 0);
+  for (int i = 0; i < lights; ++i) at("ceiling_panel", 0, length * (i + 0.5) / lights, width / 2, kCorridorCeilingM, 0);
   const int signs = std::max(1, static_cast<int>(length / 16));
   for (int i = 0; i < signs; ++i)
-    at("exit_sign", 0, length * (i + 0.35) / signs, width * 0.5 + 0.75, kCorridorCeiling_m, 90);
+    at("exit_sign", 0, length * (i + 0.35) / signs, width * 0.5 + 0.75, kCorridorCeilingM, 90);
 }
 
 void furnish_room(Furnisher& f, const Room& room, const RoomSize& r, uint32_t book_variants) {
@@ -468,6 +468,15 @@ void furnish_room(Furnisher& f, const Room& room, const RoomSize& r, uint32_t bo
   }
 }
 
+/// Handrails along the flights that leave a stairwell, or a guard before the hole where no further one does.
+void furnish_stairwell(Furnisher& f, const Room& room, uint32_t floors, double width_m) {
+  const glm::dmat4 corner = moved({room.min + kWallHalfM, room.floor * kStoreyM});
+  if (room.floor + 1 < floors)
+    f.add("stair_rail", 0, corner * moved({width_m / 2, kLandingM, 0}));
+  else if (floors > 1)
+    f.add("stair_guard", 0, corner * moved({kFlightWidthM / 2, kLandingM - 0.04, 0}));
+}
+
 void light_room(Furnisher& f, const Room& room, const RoomSize& r) {
   switch (room.kind) {
     case RoomKind::corridor:
@@ -478,9 +487,9 @@ void light_room(Furnisher& f, const Room& room, const RoomSize& r) {
     case RoomKind::laboratory:
     case RoomKind::class_room:
     case RoomKind::library:
-      return light_grid(f, r, kCeiling_m, 3.6, 0);
+      return light_grid(f, r, kCeilingM, 3.6, 0);
     default:
-      return light_grid(f, r, kCeiling_m, 4.4, f.random.chance(0.5) ? 1 : 0);
+      return light_grid(f, r, kCeilingM, 4.4, f.random.chance(0.5) ? 1 : 0);
   }
 }
 
@@ -489,8 +498,8 @@ void hang_door(Furnisher& f, const glm::dmat4& door, const Room& room, bool is_d
   f.add(entrance ? "entrance_frame" : is_double ? "double_door_frame" : "door_frame", room.floor % 2, door);
   const bool glazed = room.kind == RoomKind::laboratory || room.kind == RoomKind::library || entrance;
   const uint32_t leaf = glazed ? 3 + room.floor % 2 : room.floor % 3;
-  const double half = is_double ? kDoubleDoor_m / 2 - 0.05 : kDoorWidth_m / 2 - 0.05;
-  const double open = room.door_closed ? 0 : f.random.between(86, 94);
+  const double half = is_double ? kDoubleDoorM / 2 - 0.05 : kDoorWidthM / 2 - 0.05;
+  const double open = room.door_closed ? 0 : f.random.range(86.0, 94.0);
   const double hinge_y = room.door_closed ? 0 : 0.14;
   for (const double side : {-1.0, 1.0}) {
     if (!is_double && side > 0) continue;
@@ -500,11 +509,11 @@ void hang_door(Furnisher& f, const glm::dmat4& door, const Room& room, bool is_d
   }
   if (!entrance)
     f.add("room_sign", room.kind == RoomKind::office ? 0 : 1,
-          door * moved({is_double ? 1.25 : 0.78, -kWallHalf_m, 1.5}));
+          door * moved({is_double ? 1.25 : 0.78, -kWallHalfM, 1.5}));
 }
 
 void fit_openings(Furnisher& f, const BuildingPlan& plan, const Wall& wall) {
-  const double z = wall.floor * kStorey_m;
+  const double z = wall.floor * kStoreyM;
   const bool outer = wall.low == kOutside || wall.high == kOutside;
   for (const Opening& opening : wall.openings) {
     const Room& room = plan.rooms[opening.room];
@@ -521,7 +530,7 @@ void fit_openings(Furnisher& f, const BuildingPlan& plan, const Wall& wall) {
     }
     if (opening.kind != OpeningKind::door) continue;
     // The middle of the outer wall lies outside its line.
-    const glm::dmat4 middle = outer ? at * moved({0, -(kFacade_m - kWallHalf_m) / 2, 0}) : at;
+    const glm::dmat4 middle = outer ? at * moved({0, -(kFacadeM - kWallHalfM) / 2, 0}) : at;
     hang_door(f, middle, room, opening.width_m > 1.5, outer);
   }
 }
@@ -533,7 +542,7 @@ void dress_corridor_wall(Furnisher& f, const BuildingPlan& plan, const Wall& wal
   if (!above && !is_corridor(wall.low)) return;
   const Room& corridor = plan.rooms[above ? wall.high : wall.low];
   f.enter(glm::dmat4(1), 0, false, fmt::format("f{}_{}", wall.floor + 1, corridor.name));
-  const double turn = wall.along_x ? (above ? 180 : 0) : (above ? 90 : -90), face = (above ? 1 : -1) * kWallHalf_m;
+  const double turn = wall.along_x ? (above ? 180 : 0) : (above ? 90 : -90), face = (above ? 1 : -1) * kWallHalfM;
   std::vector<double> edges{wall.from};
   for (const Opening& opening : wall.openings)
     edges.insert(edges.end(), {opening.at - opening.width_m / 2 - 0.3, opening.at + opening.width_m / 2 + 0.45});
@@ -544,8 +553,8 @@ void dress_corridor_wall(Furnisher& f, const BuildingPlan& plan, const Wall& wal
     const double along = (edges[i] + edges[i + 1]) / 2;
     const auto at = [&](double shift, double z) {
       const double a = along + shift, across = wall.line + face;
-      return moved(wall.along_x ? dvec3(a, across, wall.floor * kStorey_m + z)
-                                : dvec3(across, a, wall.floor * kStorey_m + z)) *
+      return moved(wall.along_x ? dvec3(a, across, wall.floor * kStoreyM + z)
+                                : dvec3(across, a, wall.floor * kStoreyM + z)) *
              turned_z(turn);
     };
     const uint32_t what = f.random.below(12);
@@ -564,29 +573,29 @@ void furnish_outside(Furnisher& f, const BuildingPlan& plan) {
   const double paving = -0.02, lawn = -0.1;
   for (int i = 0; i < 9; ++i) {
     if (i != 4)
-      f.put("tree", f.any("tree"), -6 + 9.2 * i + f.random.between(-1, 1), -10 + f.random.between(-1.5, 1.5), lawn,
-            f.random.between(0, 360));
-    f.put("tree", f.any("tree"), -6 + 9.2 * i + f.random.between(-1.5, 1.5), kDepth_m + 10 + f.random.between(-2, 2),
-          lawn, f.random.between(0, 360));
+      f.put("tree", f.any("tree"), -6 + 9.2 * i + f.random.range(-1.0, 1.0), -10 + f.random.range(-1.5, 1.5), lawn,
+            f.random.range(0.0, 360.0));
+    f.put("tree", f.any("tree"), -6 + 9.2 * i + f.random.range(-1.5, 1.5), kDepthM + 10 + f.random.range(-2.0, 2.0),
+          lawn, f.random.range(0.0, 360.0));
   }
   for (int i = 0; i < 5; ++i) {
-    f.put("tree", f.any("tree"), -11 + f.random.between(-2, 2), 8.0 * i, lawn);
-    f.put("tree", f.any("tree"), kWidth_m + 11 + f.random.between(-2, 2), 8.0 * i, lawn);
+    f.put("tree", f.any("tree"), -11 + f.random.range(-2.0, 2.0), 8.0 * i, lawn);
+    f.put("tree", f.any("tree"), kWidthM + 11 + f.random.range(-2.0, 2.0), 8.0 * i, lawn);
   }
   for (int i = 0; i < 6; ++i) {
     for (const double side : {-3.6, 3.6}) {
-      f.put("street_lamp", 0, kWidth_m / 2 + side, -8.0 - 8 * i, lawn);
-      if (i % 2 == 0) f.put("bench", 1, kWidth_m / 2 + side * 1.35, -11.0 - 8 * i, lawn, side > 0 ? kToLeft : kToRight);
+      f.put("street_lamp", 0, kWidthM / 2 + side, -8.0 - 8 * i, lawn);
+      if (i % 2 == 0) f.put("bench", 1, kWidthM / 2 + side * 1.35, -11.0 - 8 * i, lawn, side > 0 ? kToLeft : kToRight);
     }
   }
   for (int i = 0; i < 26; ++i) {
     const double x = 1.2 + 2.4 * i;
-    if (std::abs(x - kWidth_m / 2) > 4.5)
-      f.put("shrub", f.any("shrub"), x, -1.6 + f.random.between(-0.2, 0.2), paving, f.random.between(0, 360));
+    if (std::abs(x - kWidthM / 2) > 4.5)
+      f.put("shrub", f.any("shrub"), x, -1.6 + f.random.range(-0.2, 0.2), paving, f.random.range(0.0, 360.0));
   }
   for (int i = 0; i < 10; ++i) f.put("bicycle_stand", 0, 44 + 0.9 * i, -3.2, paving, 90);
-  for (const double u : {-2.4, -0.9, 0.9, 2.4}) f.put("bollard", 0, kWidth_m / 2 + u * 1.05, -5.2, -0.1);
-  const double roof = plan.floors * kStorey_m;
+  for (const double u : {-2.4, -0.9, 0.9, 2.4}) f.put("bollard", 0, kWidthM / 2 + u * 1.05, -5.2, -0.1);
+  const double roof = plan.floors * kStoreyM;
   for (int i = 0; i < 4; ++i)
     f.put("air_handler", static_cast<uint32_t>(i), 9.0 + 13.5 * i, i % 2 == 0 ? 9 : 24, roof, i % 2 == 0 ? 0 : 90);
   f.put("mast", 0, 46, 17, roof);
@@ -596,7 +605,7 @@ void furnish_outside(Furnisher& f, const BuildingPlan& plan) {
 void dress_facade(Furnisher& f, const BuildingPlan& plan) {
   f.enter(glm::dmat4(1), 0, false, "facade");
   for (uint32_t floor = 0; floor < plan.floors; ++floor) {
-    const double z = floor * kStorey_m + (floor == 0 ? -0.02 : -0.06), height = floor == 0 ? 3.5 : kStorey_m - 0.26;
+    const double z = floor * kStoreyM + (floor == 0 ? -0.02 : -0.06), height = floor == 0 ? 3.5 : kStoreyM - 0.26;
     const auto pier = [&](double x, double y, double turn) {
       glm::dmat4 stretch(1);
       stretch[2][2] = height;
@@ -604,9 +613,9 @@ void dress_facade(Furnisher& f, const BuildingPlan& plan) {
     };
     // The same axes on every storey, wherever its partitions are; between the windows of most.
     for (int i = 0; i <= 8; ++i) {
-      const double x = 9.2 + (kWidth_m - 2 * 9.2) * i / 8;
-      if (floor == 0 && std::abs(x - kWidth_m / 2) < 3) continue;
-      pier(x, -kFacade_m, 0), pier(x, kDepth_m + kFacade_m, 180);
+      const double x = 9.2 + (kWidthM - 2 * 9.2) * i / 8;
+      if (floor == 0 && std::abs(x - kWidthM / 2) < 3) continue;
+      pier(x, -kFacadeM, 0), pier(x, kDepthM + kFacadeM, 180);
     }
   }
 }
@@ -625,10 +634,11 @@ std::vector<Placement> furnish_building(const BuildingPlan& plan, const Furnitur
     f.enter(frame.world_from_room, frame.width_m, mirrored, fmt::format("f{}_{}", room.floor + 1, room.name));
     const RoomSize size{frame.width_m, frame.depth_m};
     // A stream of its own for each room: what one draws never moves the next one's furniture.
-    f.random = BuildingRandom(seed * 0x2545f491ULL + ++number);
+    f.random = Random(seed * 0x2545f491ULL + ++number);
     const bool furnished = f.random.unit() < 2 * density;
     if (furnished || room.kind == RoomKind::corridor) furnish_room(f, room, size, book_variants);
     light_room(f, room, size);
+    if (room.kind == RoomKind::stairwell) furnish_stairwell(f, room, plan.floors, frame.width_m);
   }
   for (const Wall& wall : plan.walls) {
     fit_openings(f, plan, wall);

@@ -7,22 +7,22 @@
 #include <cmath>
 #include <span>
 
-#include "datasets/building_random.h"
+#include "datasets/random.h"
 #include "datasets/shapes.h"
 
 namespace promenade {
 
 namespace {
 
-constexpr double kTouch_m = 1e-6;  // lines closer than this are one
+constexpr double kTouchM = 1e-6;  // lines closer than this are one
 
 // The lines of the plan. A ring of corridors runs between the outer rooms and the core; a branch crosses the core.
 constexpr double kRing0 = 6.6, kRing1 = 9.2;  // the ring's outer and inner line, from each facade
-constexpr double kEastRing1 = kWidth_m - kRing1, kEastRing0 = kWidth_m - kRing0;
-constexpr double kNorthRing1 = kDepth_m - kRing1, kNorthRing0 = kDepth_m - kRing0;
+constexpr double kEastRing1 = kWidthM - kRing1, kEastRing0 = kWidthM - kRing0;
+constexpr double kNorthRing1 = kDepthM - kRing1, kNorthRing0 = kDepthM - kRing0;
 constexpr double kBranch0 = 29.7, kBranch1 = 32.3;
 constexpr double kStairDepth = 6.1, kStairWidth = 3.4, kServiceWidth = 5.0;
-constexpr double kMiddle = kDepth_m / 2;
+constexpr double kMiddle = kDepthM / 2;
 
 struct Use {
   RoomKind kind;
@@ -39,11 +39,11 @@ class Planner {
   Room& room(RoomKind kind, uint32_t floor, glm::dvec2 min, glm::dvec2 max, Side side, double door_at) {
     Room room;
     room.kind = kind, room.floor = floor, room.min = min, room.max = max;
-    room.door_side = side, room.door_at = door_at, room.door_width_m = kDoorWidth_m;
+    room.door_side = side, room.door_at = door_at, room.door_width_m = kDoorWidthM;
     room.door_closed = (kind == RoomKind::office && random_.chance(0.2)) || kind == RoomKind::storage;
     if (kind == RoomKind::lounge || kind == RoomKind::stairwell) room.has_door = false, room.door_width_m = 1.6;
     if (kind == RoomKind::lobby) room.has_door = false, room.door_width_m = 4;
-    if (kind == RoomKind::library || kind == RoomKind::auditorium) room.door_width_m = kDoubleDoor_m;
+    if (kind == RoomKind::library || kind == RoomKind::auditorium) room.door_width_m = kDoubleDoorM;
     if (kind == RoomKind::corridor) room.door_width_m = 0;
     room.name = kind == RoomKind::corridor ? fmt::format("{}C{}", floor + 1, ++corridors_)
                                            : fmt::format("{}{:02}", floor + 1, ++numbers_);
@@ -56,13 +56,13 @@ class Planner {
   /// Rooms side by side along the south or north facade; a door may only open to the corridor.
   void row(uint32_t floor, bool south, std::span<const Use> uses) {
     for (const Use& use : uses) {
-      const bool last = std::abs(use.to - kWidth_m) < kTouch_m;
+      const bool last = std::abs(use.to - kWidthM) < kTouchM;
       const double low = std::max(use.from, kRing0) + 0.95, high = std::min(use.to, kEastRing0) - 0.95;
-      const bool right = use.from < kTouch_m || (!last && random_.chance(0.5));
+      const bool right = use.from < kTouchM || (!last && random_.chance(0.5));
       double at = right ? high : low;
       if (use.kind == RoomKind::lobby || use.kind == RoomKind::library) at = (use.from + use.to) / 2;
-      if (use.kind == RoomKind::lounge) at = use.from < kTouch_m ? kRing1 - 1.3 : kEastRing1 + 1.3;
-      room(use.kind, floor, {use.from, south ? 0 : kNorthRing0}, {use.to, south ? kRing0 : kDepth_m},
+      if (use.kind == RoomKind::lounge) at = use.from < kTouchM ? kRing1 - 1.3 : kEastRing1 + 1.3;
+      room(use.kind, floor, {use.from, south ? 0 : kNorthRing0}, {use.to, south ? kRing0 : kDepthM},
            south ? Side::north : Side::south, at);
     }
   }
@@ -84,7 +84,7 @@ class Planner {
       for (int i = 0; i < kEach; ++i) {
         const double y0 = kRing0 + (kNorthRing0 - kRing0) * i / kEach,
                      y1 = kRing0 + (kNorthRing0 - kRing0) * (i + 1) / kEach;
-        room(RoomKind::office, floor, {west ? 0 : kEastRing0, y0}, {west ? kRing0 : kWidth_m, y1},
+        room(RoomKind::office, floor, {west ? 0 : kEastRing0, y0}, {west ? kRing0 : kWidthM, y1},
              west ? Side::east : Side::west, random_.chance(0.5) ? y0 + 0.95 : y1 - 0.95);
       }
     }
@@ -123,7 +123,7 @@ class Planner {
       Room& hall =
           room(south, floor, min, max, floor == 0 ? Side::south : Side::north, min.x + (floor == 0 ? 1.3 : 0.9));
       if (floor == 0) hall.has_ceiling = false;
-      if (floor == 1) hall.has_floor = false, hall.door_width_m = kDoorWidth_m;
+      if (floor == 1) hall.has_floor = false, hall.door_width_m = kDoorWidthM;
       return;
     }
     const double near = west ? min.x + 1.05 : max.x - 1.05;
@@ -132,7 +132,7 @@ class Planner {
   }
 
   BuildingPlan plan_;
-  BuildingRandom random_;
+  Random random_;
   uint32_t numbers_ = 0, corridors_ = 0;
 };
 
@@ -148,7 +148,7 @@ std::vector<Use> south_row(uint32_t floor) {
             {RoomKind::class_room, 12, 24},
             {RoomKind::lobby, 24, 38},
             {RoomKind::class_room, 38, 50},
-            {RoomKind::class_room, 50, kWidth_m}};
+            {RoomKind::class_room, 50, kWidthM}};
   }
   std::vector<Use> uses{{RoomKind::conference, 0, kRing1}};
   if (floor == 1) {
@@ -158,7 +158,7 @@ std::vector<Use> south_row(uint32_t floor) {
   } else {
     append_offices(uses, kRing1, kEastRing1, 8);
   }
-  uses.push_back({RoomKind::student_office, kEastRing1, kWidth_m});
+  uses.push_back({RoomKind::student_office, kEastRing1, kWidthM});
   return uses;
 }
 
@@ -171,7 +171,7 @@ std::vector<Use> north_row(uint32_t floor) {
     uses = {{RoomKind::lounge, 0, kRing1}};
     append_offices(uses, kRing1, kEastRing1, 8);
   }
-  uses.push_back({floor % 2 == 0 ? RoomKind::student_office : RoomKind::lounge, kEastRing1, kWidth_m});
+  uses.push_back({floor % 2 == 0 ? RoomKind::student_office : RoomKind::lounge, kEastRing1, kWidthM});
   return uses;
 }
 
@@ -191,12 +191,12 @@ std::array<RoomKind, 4> core_uses(uint32_t floor, uint32_t floors) {
   }
 }
 
-bool same(double a, double b) { return std::abs(a - b) < kTouch_m; }
+bool same(double a, double b) { return std::abs(a - b) < kTouchM; }
 
 /// The piece of wall that two rooms, or a room and the outside, share on a line; none between two corridors.
 void add_walls(BuildingPlan& plan, uint32_t floor, std::span<const uint32_t> rooms, bool along_x) {
   const int along = along_x ? 0 : 1, across = 1 - along;
-  const double far = along_x ? kDepth_m : kWidth_m;
+  const double far = along_x ? kDepthM : kWidthM;
   for (const uint32_t a : rooms) {
     const Room& low = plan.rooms[a];
     Wall wall;
@@ -205,13 +205,13 @@ void add_walls(BuildingPlan& plan, uint32_t floor, std::span<const uint32_t> roo
       const bool at_far = !same(low.min[across], 0);
       wall.line = at_far ? far : 0, wall.from = low.min[along], wall.to = low.max[along];
       (at_far ? wall.low : wall.high) = a;
-      (at_far ? wall.above_m : wall.below_m) = kFacade_m;
+      (at_far ? wall.above_m : wall.below_m) = kFacadeM;
       plan.walls.push_back(wall);
     }
     for (const uint32_t b : rooms) {
       const Room& high = plan.rooms[b];
       const double from = std::max(low.min[along], high.min[along]), to = std::min(low.max[along], high.max[along]);
-      if (!same(low.max[across], high.min[across]) || to - from < kTouch_m) continue;
+      if (!same(low.max[across], high.min[across]) || to - from < kTouchM) continue;
       if (low.kind == RoomKind::corridor && high.kind == RoomKind::corridor) continue;
       Wall inner;
       inner.floor = floor, inner.along_x = along_x, inner.line = high.min[across];
@@ -261,7 +261,7 @@ void add_windows(Wall& wall, const Room& room) {
     const double at = wall.from + length * (i + 0.5) / count;
     const bool entrance = room.kind == RoomKind::lobby && std::abs(at - (wall.from + wall.to) / 2) < 2.4;
     if (entrance) continue;
-    wall.openings.push_back({OpeningKind::window, at, kWindowWidth_m, kWindowSill_m, kWindowSill_m + kWindowHeight_m,
+    wall.openings.push_back({OpeningKind::window, at, kWindowWidthM, kWindowSillM, kWindowSillM + kWindowHeightM,
                              wall.low == kOutside ? wall.high : wall.low});
   }
 }
@@ -283,13 +283,13 @@ void add_openings(BuildingPlan& plan) {
         if (room.kind == RoomKind::lift)
           wall.openings.push_back({OpeningKind::lift, room.door_at, 1.2, 0, 2.2, id});
         else if (room.has_door)
-          wall.openings.push_back({OpeningKind::door, room.door_at, room.door_width_m, 0, kDoorHeight_m, id});
+          wall.openings.push_back({OpeningKind::door, room.door_at, room.door_width_m, 0, kDoorHeightM, id});
         else
           wall.openings.push_back({OpeningKind::passage, room.door_at, room.door_width_m, 0, 2.5, id});
       }
       if (outer) add_windows(wall, room);
       if (outer && room.kind == RoomKind::lobby)
-        wall.openings.push_back({OpeningKind::door, (wall.from + wall.to) / 2, kDoubleDoor_m, 0, kDoorHeight_m, id});
+        wall.openings.push_back({OpeningKind::door, (wall.from + wall.to) / 2, kDoubleDoorM, 0, kDoorHeightM, id});
     }
     std::sort(wall.openings.begin(), wall.openings.end(),
               [](const Opening& a, const Opening& b) { return a.at < b.at; });
@@ -333,8 +333,8 @@ BuildingPlan plan_building(uint64_t seed, uint32_t floors) {
 }
 
 RoomFrame frame_of(const Room& room) {
-  const glm::dvec2 min = room.min + kWallHalf_m, max = room.max - kWallHalf_m;
-  const double z = room.floor * kStorey_m;
+  const glm::dvec2 min = room.min + kWallHalfM, max = room.max - kWallHalfM;
+  const double z = room.floor * kStoreyM;
   RoomFrame frame;
   const bool across_y = room.door_side == Side::south || room.door_side == Side::north;
   frame.width_m = across_y ? max.x - min.x : max.y - min.y;

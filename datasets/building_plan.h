@@ -10,27 +10,27 @@
 namespace promenade {
 
 // Metres. Heights are above a storey's floor.
-constexpr double kStorey_m = 3.8;   ///< from floor to floor
-constexpr double kSlab_m = 0.3;     ///< concrete between storeys
-constexpr double kFinish_m = 0.02;  ///< carpet or tiles on it
-constexpr double kWallTop_m = kStorey_m - kSlab_m - kFinish_m;
-constexpr double kCeiling_m = 3.0;  ///< of rooms
-constexpr double kCorridorCeiling_m = 2.7;
-constexpr double kWallHalf_m = 0.1;             ///< inner walls: to both sides of their line; outer walls: inwards
-constexpr double kFacade_m = 0.3;               ///< outer walls reach so far out of their line
-constexpr double kWidth_m = 62, kDepth_m = 34;  ///< between the lines of the outer walls: x, y
-constexpr double kDoorWidth_m = 1.0, kDoubleDoor_m = 1.9, kDoorHeight_m = 2.1;
-constexpr double kWindowWidth_m = 1.6, kWindowHeight_m = 1.8, kWindowSill_m = 0.85;
+constexpr double kStoreyM = 3.8;   ///< from floor to floor
+constexpr double kSlabM = 0.3;     ///< concrete between storeys
+constexpr double kFinishM = 0.02;  ///< carpet or tiles on it
+constexpr double kWallTopM = kStoreyM - kSlabM - kFinishM;
+constexpr double kCeilingM = 3.0;  ///< of rooms
+constexpr double kCorridorCeilingM = 2.7;
+constexpr double kWallHalfM = 0.1;            ///< inner walls: to both sides of their line; outer walls: inwards
+constexpr double kFacadeM = 0.3;              ///< outer walls reach so far out of their line
+constexpr double kWidthM = 62, kDepthM = 34;  ///< between the lines of the outer walls: x, y
+constexpr double kDoorWidthM = 1.0, kDoubleDoorM = 1.9, kDoorHeightM = 2.1;
+constexpr double kWindowWidthM = 1.6, kWindowHeightM = 1.8, kWindowSillM = 0.85;
 
 // Stairs: two flights around a half landing, the main landing at the door.
-constexpr double kTread_m = 0.28;
+constexpr double kTreadM = 0.28;
 constexpr uint32_t kTreads = 10;  ///< a flight; one more riser
-constexpr double kRiser_m = kStorey_m / (2.0 * (kTreads + 1));
-constexpr double kLanding_m = 1.6, kFlightWidth_m = 1.5;
+constexpr double kRiserM = kStoreyM / (2.0 * (kTreads + 1));
+constexpr double kLandingM = 1.6, kFlightWidthM = 1.5;
 
 // The auditorium climbs one storey in rows.
 constexpr uint32_t kRows = 12;
-constexpr double kRowDepth_m = 0.95, kFrontRow_m = 3.0, kAisle_m = 1.3;
+constexpr double kRowDepthM = 0.95, kFrontRowM = 3.0, kAisleM = 1.3;
 
 enum class RoomKind : uint8_t {
   corridor,
@@ -83,11 +83,11 @@ constexpr uint32_t kOutside = 0xffffffffU;
 struct Wall {
   uint32_t floor = 0;
   bool along_x = true;
-  double line = 0;                                      ///< y if along_x, otherwise x
-  double from = 0, to = 0;                              ///< its solid's ends
-  double below_m = kWallHalf_m, above_m = kWallHalf_m;  ///< thickness towards smaller and larger coordinates
-  uint32_t low = kOutside, high = kOutside;             ///< rooms there
-  std::vector<Opening> openings;                        ///< ascending, apart
+  double line = 0;                                    ///< y if along_x, otherwise x
+  double from = 0, to = 0;                            ///< its solid's ends
+  double below_m = kWallHalfM, above_m = kWallHalfM;  ///< thickness towards smaller and larger coordinates
+  uint32_t low = kOutside, high = kOutside;           ///< rooms there
+  std::vector<Opening> openings;                      ///< ascending, apart
 };
 
 struct BuildingPlan {

@@ -12,19 +12,19 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kSpeed_m_s = 1.4, kEye_m = 1.65;
-constexpr double kTurn_deg_s = 60;
-constexpr double kCorner_m = 0.6;     // corners are cut from so far before to so far behind
-constexpr double kStep_m = 0.4;       // between keys
-constexpr double kLookAhead_m = 0.9;  // the head turns towards where the feet will be
-constexpr double kRing_m = 7.9;       // the ring corridors' middle, from the facade
+constexpr double kSpeedMPerS = 1.4, kEyeM = 1.65;
+constexpr double kTurnDegPerS = 60;
+constexpr double kCornerM = 0.6;     // corners are cut from so far before to so far behind
+constexpr double kStepM = 0.4;       // between keys
+constexpr double kLookAheadM = 0.9;  // the head turns towards where the feet will be
+constexpr double kRingM = 7.9;       // the ring corridors' middle, from the facade
 
 /// Polyline with its corners rounded by parabolas.
 std::vector<dvec3> rounded(const std::vector<dvec3>& corners) {
   std::vector<dvec3> points{corners.front()};
   for (size_t i = 1; i + 1 < corners.size(); ++i) {
     const dvec3 before = corners[i - 1] - corners[i], after = corners[i + 1] - corners[i];
-    const double a = std::min(kCorner_m, glm::length(before) / 2), b = std::min(kCorner_m, glm::length(after) / 2);
+    const double a = std::min(kCornerM, glm::length(before) / 2), b = std::min(kCornerM, glm::length(after) / 2);
     const dvec3 p = corners[i] + glm::normalize(before) * a, q = corners[i] + glm::normalize(after) * b;
     for (int k = 0; k <= 6; ++k) {
       const double u = k / 6.0;
@@ -35,11 +35,11 @@ std::vector<dvec3> rounded(const std::vector<dvec3>& corners) {
   return points;
 }
 
-/// Points `kStep_m` apart along a polyline, both ends included.
+/// Points `kStepM` apart along a polyline, both ends included.
 std::vector<dvec3> resampled(const std::vector<dvec3>& points) {
   std::vector<double> at{0};
   for (size_t i = 1; i < points.size(); ++i) at.push_back(at.back() + glm::length(points[i] - points[i - 1]));
-  const int steps = std::max(1, static_cast<int>(std::lround(at.back() / kStep_m)));
+  const int steps = std::max(1, static_cast<int>(std::lround(at.back() / kStepM)));
   std::vector<dvec3> result;
   size_t i = 1;
   for (int k = 0; k <= steps; ++k) {
@@ -55,8 +55,8 @@ class Walker {
  public:
   explicit Walker(const BuildingPlan& plan) : plan_(plan) {}
 
-  void to(double x, double y, double floor_z) { leg_.emplace_back(x, y, floor_z + kEye_m); }
-  void to(double x, double y) { to(x, y, floor_ * kStorey_m); }
+  void to(double x, double y, double floor_z) { leg_.emplace_back(x, y, floor_z + kEyeM); }
+  void to(double x, double y) { to(x, y, floor_ * kStoreyM); }
   void enter_floor(uint32_t floor) { floor_ = floor; }
   uint32_t floor() const { return floor_; }
 
@@ -98,34 +98,34 @@ class Walker {
 
   /// Up one storey; ends in the corridor in front of the stairwell there.
   void climb(bool west) {
-    const Room* stairs = nearest(RoomKind::stairwell, {west ? 0 : kWidth_m, 0});
-    const glm::dvec2 low = stairs->min + kWallHalf_m, high = stairs->max - kWallHalf_m;
-    const double middle = (low.x + high.x) / 2, left = low.x + kFlightWidth_m / 2, right = high.x - kFlightWidth_m / 2;
-    const double z = floor_ * kStorey_m, half = z + kStorey_m / 2, top = z + kStorey_m;
-    const double y0 = low.y + kLanding_m, y1 = y0 + kTreads * kTread_m;
-    to(middle, kRing_m, z), to(middle, low.y + 0.2, z), to(left, y0 - 0.55, z), to(left, y0, z), to(left, y1, half);
+    const Room* stairs = nearest(RoomKind::stairwell, {west ? 0 : kWidthM, 0});
+    const glm::dvec2 low = stairs->min + kWallHalfM, high = stairs->max - kWallHalfM;
+    const double middle = (low.x + high.x) / 2, left = low.x + kFlightWidthM / 2, right = high.x - kFlightWidthM / 2;
+    const double z = floor_ * kStoreyM, half = z + kStoreyM / 2, top = z + kStoreyM;
+    const double y0 = low.y + kLandingM, y1 = y0 + kTreads * kTreadM;
+    to(middle, kRingM, z), to(middle, low.y + 0.2, z), to(left, y0 - 0.55, z), to(left, y0, z), to(left, y1, half);
     to(left, y1 + 0.75, half), to(right, y1 + 0.75, half), to(right, y1, half), to(right, y0, top);
     to(right, y0 - 0.55, top), to(middle, low.y + 0.2, top);
     enter_floor(floor_ + 1);
-    to(middle, kRing_m);
+    to(middle, kRingM);
   }
 
   /// Up the auditorium's left aisle to the corridor above.
   void climb_auditorium() {
     const Room* hall = nearest(RoomKind::auditorium, {0, 0});
     const RoomFrame below = frame_of(*hall);
-    const glm::dvec2 low = hall->min + kWallHalf_m;
-    const double aisle = low.x + kAisle_m / 2, foot = low.y + kFrontRow_m - kRowDepth_m / 2;
-    const double head = foot + kRows * kRowDepth_m;
-    to(hall->door_at, kRing_m), to(hall->door_at, low.y + 0.6);
+    const glm::dvec2 low = hall->min + kWallHalfM;
+    const double aisle = low.x + kAisleM / 2, foot = low.y + kFrontRowM - kRowDepthM / 2;
+    const double head = foot + kRows * kRowDepthM;
+    to(hall->door_at, kRingM), to(hall->door_at, low.y + 0.6);
     look(35);
     to(hall->door_at, low.y + 0.6), to(low.x + below.door_u * 0.7, low.y + 1.6), to(aisle, foot - 0.3), to(aisle, foot),
-        to(aisle, head, kStorey_m);
-    to(aisle, head + 0.5, kStorey_m);
+        to(aisle, head, kStoreyM);
+    to(aisle, head + 0.5, kStoreyM);
     look(-150);
     enter_floor(1);
-    const Room* upper = nearest(RoomKind::auditorium, {0, kDepth_m});
-    to(aisle, head + 0.5), to(upper->door_at, upper->max.y - 0.6), to(upper->door_at, kDepth_m - kRing_m);
+    const Room* upper = nearest(RoomKind::auditorium, {0, kDepthM});
+    to(aisle, head + 0.5), to(upper->door_at, upper->max.y - 0.6), to(upper->door_at, kDepthM - kRingM);
   }
 
   CameraPath take() {
@@ -147,7 +147,7 @@ class Walker {
     const Pose now = path_.keys.back().pose;
     const double angle = std::abs(yaw - now.yaw_deg);
     if (angle < 1) return;
-    time_ += std::max(0.25, angle / kTurn_deg_s);
+    time_ += std::max(0.25, angle / kTurnDegPerS);
     key(now.eye, yaw, 0);
   }
 
@@ -159,7 +159,7 @@ class Walker {
     leg_.clear();
     if (corners.size() < 2) return;
     const std::vector<dvec3> points = resampled(rounded(corners));
-    const auto ahead = static_cast<size_t>(std::lround(kLookAhead_m / kStep_m));
+    const auto ahead = static_cast<size_t>(std::lround(kLookAheadM / kStepM));
     const auto heading = [&](size_t i) {
       const dvec3 d = points[std::min(i + ahead, points.size() - 1)] - points[i];
       return glm::length(glm::dvec2(d)) > 1e-3 ? d : points[i] - points[i - 1];
@@ -171,7 +171,7 @@ class Walker {
       if (i == 0 && path_.keys.empty()) key(points[0], yaw, pitch);
       if (i == 0) turn_to(yaw);
       if (i == 0) continue;
-      time_ += glm::length(points[i] - points[i - 1]) / kSpeed_m_s;
+      time_ += glm::length(points[i] - points[i - 1]) / kSpeedMPerS;
       key(points[i], yaw, pitch);
     }
   }
@@ -183,33 +183,33 @@ class Walker {
   uint32_t floor_ = 0;
 };
 
-constexpr double kBranch_m = kWidth_m / 2, kEast_m = kWidth_m - kRing_m, kNorth_m = kDepth_m - kRing_m;
+constexpr double kBranchM = kWidthM / 2, kEastM = kWidthM - kRingM, kNorthM = kDepthM - kRingM;
 
 void walk_ground_floor(Walker& w, bool auditorium) {
-  w.to(kBranch_m, -16), w.to(kBranch_m, -1), w.to(kBranch_m, 3.6);
+  w.to(kBranchM, -16), w.to(kBranchM, -1), w.to(kBranchM, 3.6);
   w.look(40), w.look(-80);
-  w.to(kBranch_m, 3.6), w.to(kBranch_m, kRing_m);
-  w.visit(w.nearest(RoomKind::laboratory, {kEast_m, kRing_m}), 4.5);
+  w.to(kBranchM, 3.6), w.to(kBranchM, kRingM);
+  w.visit(w.nearest(RoomKind::laboratory, {kEastM, kRingM}), 4.5);
   if (auditorium) return;
-  w.to(kEast_m, kRing_m), w.to(kEast_m, kNorth_m), w.to(kRing_m, kNorth_m);
-  w.visit(w.nearest(RoomKind::office, {kRing_m, kDepth_m / 2}), 1.9);
+  w.to(kEastM, kRingM), w.to(kEastM, kNorthM), w.to(kRingM, kNorthM);
+  w.visit(w.nearest(RoomKind::office, {kRingM, kDepthM / 2}), 1.9);
 }
 
 void walk_library_floor(Walker& w) {
-  w.to(kRing_m, kNorth_m), w.to(kRing_m, kRing_m);
-  w.visit(w.nearest(RoomKind::library, {kBranch_m, kRing_m}), 2.2);
+  w.to(kRingM, kNorthM), w.to(kRingM, kRingM);
+  w.visit(w.nearest(RoomKind::library, {kBranchM, kRingM}), 2.2);
 }
 
 /// From the eastern stairs (even floors) or the western ones to the others, by the branch.
 void walk_office_floor(Walker& w) {
   const bool eastern = w.floor() % 2 == 0;
-  const double aside = eastern ? 10 : -10, end = eastern ? kRing_m : kEast_m;
-  w.visit(w.nearest(RoomKind::office, {kBranch_m + aside, kRing_m}), 1.9);
-  w.to(kBranch_m, kRing_m), w.to(kBranch_m, kNorth_m);
-  const Room* lab = w.nearest(RoomKind::laboratory, {end, kNorth_m});
+  const double aside = eastern ? 10 : -10, end = eastern ? kRingM : kEastM;
+  w.visit(w.nearest(RoomKind::office, {kBranchM + aside, kRingM}), 1.9);
+  w.to(kBranchM, kRingM), w.to(kBranchM, kNorthM);
+  const Room* lab = w.nearest(RoomKind::laboratory, {end, kNorthM});
   const bool deep = lab != nullptr && w.floor() == 2;
-  w.visit(deep ? lab : w.nearest(RoomKind::office, {kBranch_m - aside, kNorth_m}), deep ? 5.0 : 1.9);
-  w.to(end, kNorth_m), w.to(end, kRing_m);
+  w.visit(deep ? lab : w.nearest(RoomKind::office, {kBranchM - aside, kNorthM}), deep ? 5.0 : 1.9);
+  w.to(end, kNorthM), w.to(end, kRingM);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/building_random.h"
+#include "datasets/random.h"
 #include "geometry/mesh.h"
 
 namespace promenade {
@@ -47,9 +47,9 @@ class FurnitureCatalogue {
 /// The boards of every bookcase: book ends fit between them. The lowest board's top, the distance of the next, their
 /// number, half of the inner width, how far a book's spine stands from the middle of a one-sided and of a two-sided
 /// case.
-constexpr double kShelfFirst_m = 0.1, kShelfPitch_m = 0.37, kShelfInnerHalf_m = 0.42;
+constexpr double kShelfFirstM = 0.1, kShelfPitchM = 0.37, kShelfInnerHalfM = 0.42;
 constexpr uint32_t kShelfBoards = 5;
-constexpr double kSpineOneSided_m = -0.11, kSpineTwoSided_m = -0.24;
+constexpr double kSpineOneSidedM = -0.11, kSpineTwoSidedM = -0.24;
 
 /// Size of a book variant (width along the shelf, depth, height), which the shelving needs. Source: the same
 /// parameters that build it.

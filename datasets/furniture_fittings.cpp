@@ -2,6 +2,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "datasets/building_plan.h"
 #include "datasets/furniture.h"
 #include "datasets/furniture_palette.h"
 #include "datasets/furniture_variants.h"
@@ -275,6 +276,36 @@ Mesh lift_door(double gap_m, double quality) {
   return s.take();
 }
 
+/// The two rails of a stairwell's flights, between them: the origin is the foot of the first step on the well's middle
+/// line, the first flight climbs along +y at -x.
+Mesh stair_rail(double quality) {
+  Sculptor s(quality);
+  const double run = kTreads * kTreadM, half = (kTreads + 1) * kRiserM, x = 0.06, height = 0.9;
+  const dvec3 first[] = {{-x, 0, height}, {-x, run, half + height}, {-x, run + 0.06, half + height}};
+  const dvec3 second[] = {{x, run + 0.06, half + height}, {x, run, half + height}, {x, 0, 2 * half + height}};
+  s.paint(kOak).tube(first, 0.024, s.steps(10, 5)), s.tube(second, 0.024, s.steps(10, 5));
+  s.paint(kGraphite);
+  for (uint32_t i = 0; i <= kTreads; i += 2) {
+    const double y = i * kTreadM + (i == 0 ? 0.02 : 0), climb = y / run * half;
+    s.cylinder({-x, y, climb - 0.1}, {-x, y, climb + height}, 0.009, s.steps(8, 4));
+    s.cylinder({x, run - y, half + climb - 0.1}, {x, run - y, half + climb + height}, 0.009, s.steps(8, 4));
+  }
+  return s.take();
+}
+
+/// Closes the hole where no further flight leads up; as wide as one.
+Mesh stair_guard(double quality) {
+  Sculptor s(quality);
+  const double w = kFlightWidthM / 2;
+  s.paint(kOak).cylinder({-w, 0, 1.0}, {w, 0, 1.0}, 0.024, s.steps(10, 5));
+  s.paint(kGraphite).cylinder({-w, 0, 0.1}, {w, 0, 0.1}, 0.012, s.steps(8, 4));
+  for (int i = 0; i <= 12; ++i) {
+    const double x = -w + 0.02 + (2 * w - 0.04) * i / 12;
+    s.cylinder({x, 0, 0}, {x, 0, 1.0}, 0.009, s.steps(8, 4));
+  }
+  return s.take();
+}
+
 /// The cabin of a lift, open at -y; 1.6 m wide, 1.5 m deep.
 Mesh lift_cabin(double quality) {
   Sculptor s(quality);
@@ -319,6 +350,8 @@ void add_fittings(FurnitureCatalogue& catalogue) {
                 {[](double q) { return room_sign(kNavy, q); }, [](double q) { return room_sign(kRust, q); }});
   catalogue.add("lift_door", "lift_door",
                 {[](double q) { return lift_door(0, q); }, [](double q) { return lift_door(0.5, q); }});
+  catalogue.add("stair_rail", "handrail", {[](double q) { return stair_rail(q); }});
+  catalogue.add("stair_guard", "handrail", {[](double q) { return stair_guard(q); }});
   catalogue.add("lift_cabin", "lift_cabin", {[](double q) { return lift_cabin(q); }});
 }
 

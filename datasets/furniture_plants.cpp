@@ -52,7 +52,7 @@ void add_leaf(Sculptor& s, const Plant& p, const dvec3& root, double heading, do
 Mesh plant(const Plant& p, double quality) {
   Sculptor s(quality);
   add_pot(s, p);
-  BuildingRandom random(p.seed * 7919);
+  Random random(p.seed * 7919);
   const double soil = p.pot_height_m * 0.92;
   if (p.stem_m > 0) {
     const dvec3 trunk[] = {{0, 0, soil - 0.02},
@@ -64,18 +64,18 @@ Mesh plant(const Plant& p, double quality) {
   // Fewer, wider leaves at low quality would change the plant's look; fewer leaves only thin it.
   const auto leaves = static_cast<uint32_t>(std::max(6.0, p.leaves * std::min(1.0, 0.35 + 0.65 * quality)));
   for (uint32_t i = 0; i < leaves; ++i) {
-    const double heading = 2.39996 * i + random.between(-0.3, 0.3);  // the golden angle: no two leaves above each other
-    const double rise = glm::radians(p.rise_deg + random.between(-p.spread_deg, p.spread_deg));
-    const double length = p.leaf_length_m * random.between(0.7, 1.1);
+    const double heading = 2.39996 * i + random.range(-0.3, 0.3);  // the golden angle: no two leaves above each other
+    const double rise = glm::radians(p.rise_deg + random.range(-p.spread_deg, p.spread_deg));
+    const double length = p.leaf_length_m * random.range(0.7, 1.1);
     dvec3 root(p.pot_radius_m * 0.3 * std::cos(heading), p.pot_radius_m * 0.3 * std::sin(heading), soil);
     if (p.stem_m > 0) root = dvec3(0, 0, soil + p.stem_m);
     if (p.crown_m > 0) {
-      const double z = random.between(-0.9, 1), r = std::sqrt(1 - z * z) * p.crown_m * random.between(0.3, 1);
+      const double z = random.range(-0.9, 1.0), r = std::sqrt(1 - z * z) * p.crown_m * random.range(0.3, 1.0);
       root += dvec3(r * std::cos(heading), r * std::sin(heading), z * p.crown_m);
       if (i % 4 == 0 && p.stem_m > 0)
         s.paint(kBark).cone({0, 0, soil + p.stem_m * 0.8}, root, 0.008, 0.003, s.steps(5, 3));
     }
-    s.paint(shaded(p.leaf, random.between(-0.2, 0.22)));
+    s.paint(shaded(p.leaf, random.range(-0.2, 0.22)));
     add_leaf(s, p, root, heading, rise, length);
   }
   return s.take();
@@ -90,16 +90,16 @@ struct Tree {
 
 Mesh tree(const Tree& p, double quality) {
   Sculptor s(quality);
-  BuildingRandom random(p.seed * 104729);
+  Random random(p.seed * 104729);
   const double fork = p.height_m - 1.5 * p.crown_m;
   s.paint(kBark).cone({0, 0, -0.2}, {0, 0, fork + p.crown_m}, 0.2, 0.07, s.steps(10, 5));
   for (uint32_t i = 0; i < p.blobs; ++i) {
     const double heading = 2.39996 * i, z = 2 * (i + 0.5) / p.blobs - 1, r = 0.72 * p.crown_m * std::sqrt(1 - z * z);
     const dvec3 center(r * std::cos(heading), r * std::sin(heading), fork + p.crown_m * (0.75 + 0.8 * z));
     s.paint(kBark).cone({0, 0, fork + 0.35 * p.crown_m}, center, 0.06, 0.02, s.steps(5, 3));
-    s.paint(shaded(p.leaf, random.between(-0.22, 0.18)));
-    const double size = p.crown_m * random.between(0.42, 0.58);
-    s.stand(moved(center) * turned_z(random.between(0, 360)) * turned_x(random.between(-30, 30)));
+    s.paint(shaded(p.leaf, random.range(-0.22, 0.18)));
+    const double size = p.crown_m * random.range(0.42, 0.58);
+    s.stand(moved(center) * turned_z(random.range(0.0, 360.0)) * turned_x(random.range(-30.0, 30.0)));
     s.ellipsoid({0, 0, 0}, {size, size * 0.85, size * 0.75}, s.steps(11, 5), s.steps(8, 4));
     s.stand();
   }

@@ -59,10 +59,10 @@ Mesh mug(glm::u8vec4 paint, double quality) {
 
 Mesh papers(uint32_t sheets, double quality) {
   Sculptor s(quality);
-  BuildingRandom random(0xa4 + sheets);
+  Random random(0xa4 + sheets);
   for (uint32_t i = 0; i < sheets; ++i) {
     const double z = 0.004 * i;
-    s.stand(moved({random.between(-0.01, 0.01), random.between(-0.01, 0.01), z}) * turned_z(random.between(-8, 8)));
+    s.stand(moved({random.range(-0.01, 0.01), random.range(-0.01, 0.01), z}) * turned_z(random.range(-8.0, 8.0)));
     s.paint(shaded(kPaper, -0.06 * (i % 2))).box({-0.105, -0.148, 0.0002}, {0.105, 0.148, 0.004});
   }
   s.paint(kSlate);
@@ -94,7 +94,7 @@ Mesh waste_bin(const Bin& p, double quality) {
 /// Hangs at y = 0; a painting of bands and discs, another for each seed.
 Mesh picture(uint32_t variant, double quality) {
   Sculptor s(quality);
-  BuildingRandom random(0x9a11 + variant);
+  Random random(0x9a11 + variant);
   static constexpr glm::u8vec4 kFrames[] = {kWalnut, kBlack, kOak, kBrass};
   static constexpr glm::u8vec4 kInks[] = {kNavy, kRust, kMustard, kSage, kWine, kTealCloth, kSand, kSlate};
   const bool upright = variant % 3 == 1;
@@ -107,14 +107,13 @@ Mesh picture(uint32_t variant, double quality) {
   const double iw = w - rim - 0.05, ih = h - rim - 0.05;
   double z = -ih;
   while (z < ih - 0.02) {
-    const double next = std::min(ih, z + random.between(0.06, 0.2));
-    s.paint(shaded(kInks[random.below(8)], random.between(0, 0.35)))
+    const double next = std::min(ih, z + random.range(0.06, 0.2));
+    s.paint(shaded(kInks[random.below(8)], random.range(0.0, 0.35)))
         .box({-iw, -0.0095, z}, {iw, -0.0081, next - 0.0001});
     z = next;
   }
   for (int i = 0; i < (quality < kFineDetail ? 1 : 3); ++i) {
-    const double r = random.between(0.03, 0.09), x = random.between(-iw + r, iw - r),
-                 y = random.between(-ih + r, ih - r);
+    const double r = random.range(0.03, 0.09), x = random.range(-iw + r, iw - r), y = random.range(-ih + r, ih - r);
     const double depth = 0.011 + 0.001 * i;
     s.paint(kInks[random.below(8)]).cylinder({x, -0.0096, y}, {x, -depth, y}, r, s.steps(20, 6));
   }
@@ -146,7 +145,7 @@ struct Board {
 Mesh board(const Board& p, double quality) {
   Sculptor s(quality);
   const double w = p.width_m / 2, h = p.height_m / 2;
-  BuildingRandom random(0xb0a4d + p.seed);
+  Random random(0xb0a4d + p.seed);
   s.paint(p.face).box({-w + 0.02, -0.018, -h + 0.02}, {w - 0.02, -0.001, h - 0.02});
   s.paint(p.rim);
   const glm::dvec2 outer[] = {{-w, -h}, {w, -h}, {w, h}, {-w, h}};
@@ -160,15 +159,15 @@ Mesh board(const Board& p, double quality) {
     for (int i = 0; i < 3; ++i)
       s.paint(inks[i]).cylinder({-0.3 + 0.16 * i, -0.05, -h}, {-0.18 + 0.16 * i, -0.05, -h}, 0.009, s.steps(8, 4));
     for (uint32_t i = 0; i < s.steps(6, 2); ++i) {  // what somebody wrote
-      const double x = random.between(-w * 0.8, w * 0.2), z = h * (0.7 - 0.24 * (i % 6));
-      s.paint(inks[i % 3]).box({x, -0.0192, z}, {x + random.between(0.2, 0.6) * w, -0.0181, z + 0.018});
+      const double x = random.range(-w * 0.8, w * 0.2), z = h * (0.7 - 0.24 * (i % 6));
+      s.paint(inks[i % 3]).box({x, -0.0192, z}, {x + random.range(0.2, 0.6) * w, -0.0181, z + 0.018});
     }
   }
   for (uint32_t i = 0; i < p.notes; ++i) {
     const double x = -w + 0.18 + (p.width_m - 0.36) * (i % 5) / 4, z = i < 5 ? h * 0.4 : -h * 0.42;
     s.stand(moved({x, 0, z}));
     s.paint(i % 3 == 1 ? shaded(kMustard, 0.5) : i % 3 == 2 ? shaded(kTealCloth, 0.6) : kPaper);
-    const double nw = random.between(0.07, 0.11), nh = random.between(0.1, 0.17);
+    const double nw = random.range(0.07, 0.11), nh = random.range(0.1, 0.17);
     s.box({-nw, -0.021, -nh}, {nw, -0.0185, nh});
     if (quality < kFineDetail) continue;
     s.paint(kRust).ellipsoid({0, -0.022, nh - 0.02}, dvec3(0.008), s.steps(7, 4), s.steps(4, 3));

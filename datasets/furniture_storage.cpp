@@ -25,7 +25,7 @@ struct Bookcase {
 Mesh bookcase(const Bookcase& p, double quality) {
   Sculptor s(quality);
   const double half = 0.45, y0 = p.two_sided ? -0.26 : -0.15, y1 = p.two_sided ? 0.26 : 0.15;
-  const double height = kShelfFirst_m + kShelfBoards * kShelfPitch_m;
+  const double height = kShelfFirstM + kShelfBoards * kShelfPitchM;
   s.paint(p.wood);
   for (const double side : {-1.0, 1.0}) {
     const double a = side * half, b = side * (half - 0.025);
@@ -34,13 +34,13 @@ Mesh bookcase(const Bookcase& p, double quality) {
   const double inner = half - 0.0251;
   s.paint(shaded(p.wood, 0.08));
   for (uint32_t i = 0; i <= kShelfBoards; ++i) {
-    const double z = kShelfFirst_m + i * kShelfPitch_m;
+    const double z = kShelfFirstM + i * kShelfPitchM;
     s.box({-inner, y0 + 0.005, z - 0.022}, {inner, y1 - (p.two_sided ? 0.005 : 0.012), z});
   }
   s.paint(shaded(p.wood, -0.15));
   const double back = p.two_sided ? 0.006 : 0.15;
   s.box({-inner, back - 0.0115, 0.02}, {inner, back, height + 0.015});
-  s.box({-inner, y0 + 0.03, 0.001}, {inner, y0 + 0.045, kShelfFirst_m - 0.023});
+  s.box({-inner, y0 + 0.03, 0.001}, {inner, y0 + 0.045, kShelfFirstM - 0.023});
   return s.take();
 }
 
@@ -54,10 +54,10 @@ struct Book {
 Book book_parameters(uint32_t variant) {
   static constexpr std::array<glm::u8vec4, 8> kCovers = {kNavy, kWine,      kSage,  kMustard,
                                                          kRust, kTealCloth, kSlate, rgb(0x5a3d6b)};
-  BuildingRandom random(0xb00c + variant);
+  Random random(0xb00c + variant);
   Book book{};
-  book.size = {random.between(0.024, 0.062), random.between(0.15, 0.21), random.between(0.19, 0.29)};
-  book.cover = shaded(kCovers[variant % kCovers.size()], random.between(-0.25, 0.25));
+  book.size = {random.range(0.024, 0.062), random.range(0.15, 0.21), random.range(0.19, 0.29)};
+  book.cover = shaded(kCovers[variant % kCovers.size()], random.range(-0.25, 0.25));
   book.label = random.chance(0.5) ? kBrass : kPaper;
   book.banded = variant % 3 != 0;
   return book;
@@ -113,13 +113,13 @@ Mesh book_pile(uint32_t first, uint32_t count, double quality) {
 /// A run of books that fills most of a board, the last one leaning.
 Mesh book_run(uint32_t variant, double quality) {
   Sculptor s(quality);
-  BuildingRandom random(0x5e1f + variant);
-  double x = -kShelfInnerHalf_m;
-  const double end = random.between(0.05, 0.36);
+  Random random(0x5e1f + variant);
+  double x = -kShelfInnerHalfM;
+  const double end = random.range(0.05, 0.36);
   while (true) {
     const Book b = book_parameters(random.below(kBooks));
     if (x + b.size.width_m > end - 0.06) break;
-    s.stand(moved({x + b.size.width_m / 2, random.between(0, 0.012), 0}));
+    s.stand(moved({x + b.size.width_m / 2, random.range(0.0, 0.012), 0}));
     add_book(s, b);
     x += b.size.width_m + 0.001;
   }

@@ -71,19 +71,19 @@ class Clearance {
 
   /// Takes the triangle into account where it may come nearer than reach_m.
   void add(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const std::string& name) {
-    constexpr double kReach_m = 0.4;
+    constexpr double kReachM = 0.4;
     DBox box;
     box.add(a), box.add(b), box.add(c);
-    const Cell low = cell(box.min - kReach_m), high = cell(box.max + kReach_m);
+    const Cell low = cell(box.min - kReachM), high = cell(box.max + kReachM);
     if (volume(low, high) > cells_.size()) {
-      for (const auto& [at, members] : cells_) measure(members, box.grown(kReach_m), a, b, c, name);
+      for (const auto& [at, members] : cells_) measure(members, box.grown(kReachM), a, b, c, name);
       return;
     }
     for (int x = low[0]; x <= high[0]; ++x) {
       for (int y = low[1]; y <= high[1]; ++y) {
         for (int z = low[2]; z <= high[2]; ++z) {
           const auto it = cells_.find({x, y, z});
-          if (it != cells_.end()) measure(it->second, box.grown(kReach_m), a, b, c, name);
+          if (it != cells_.end()) measure(it->second, box.grown(kReachM), a, b, c, name);
         }
       }
     }
@@ -162,7 +162,7 @@ TEST(BuildingWalk, visits_every_floor_at_walking_speed_and_eye_height) {
   std::set<int> floors;
   for (size_t i = 0; i < path.keys.size(); ++i) {
     const glm::dvec3& eye = path.keys[i].pose.eye;
-    const double above = (eye.z - 1.65) / kStorey_m;
+    const double above = (eye.z - 1.65) / kStoreyM;
     if (std::abs(above - std::round(above)) < 1e-6) floors.insert(static_cast<int>(std::round(above)));
     if (i == 0) continue;
     const double step = glm::length(eye - path.keys[i - 1].pose.eye), time = path.keys[i].t_s - path.keys[i - 1].t_s;
@@ -282,7 +282,7 @@ TEST_F(BuildingFiles, more_triangles_than_furniture_can_take_add_floors) {
   const Result<BuildingFigures> made = generate_building(options, folder / "tower.glb", monitor);
   ASSERT_TRUE(made.ok()) << made.error().message;
   EXPECT_NEAR(double(made->triangles), 2e7, 2e6);
-  EXPECT_GT(made->box.max.z, 2 * kStorey_m);
+  EXPECT_GT(made->box.max.z, 2 * kStoreyM);
 }
 
 TEST_F(BuildingFiles, bad_options_are_refused_in_one_line_and_leave_nothing) {

@@ -143,7 +143,7 @@ TEST(Furniture, a_book_is_as_large_as_its_shelf_is_told) {
     const BookSize size = book_size(i);
     EXPECT_NEAR(box.size().x, size.width_m, 1e-6);
     EXPECT_NEAR(box.size().z, size.height_m, 1e-6);
-    EXPECT_LT(size.height_m, kShelfPitch_m - 0.022);
+    EXPECT_LT(size.height_m, kShelfPitchM - 0.022);
   }
 }
 
