@@ -104,7 +104,7 @@ Status run_fly(const FlyArguments& arguments, JobMonitor& monitor, Json& figures
   FlightPage page{arguments.model.filename().string(),
                   arguments.path_file.filename().string(),
                   std::string(name_of(select.policy)),
-                  offscreen->context->description(),
+                  offscreen->description,
                   select.time.target_ms,
                   arguments.view.session.loader.memory_bytes,
                   {}};
@@ -143,7 +143,7 @@ Command add_fly(CLI::App& program) {
                 "Move by the clock and drop late frames, instead of drawing every frame of the path");
   add_camera_options(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::time_slices, uint64_t(256) << 20);
-  add_offscreen_option(*app, arguments->view);
+  add_renderer_options(*app, arguments->view);
   return {app, {}, [arguments](JobMonitor& monitor, Json& figures) { return run_fly(*arguments, monitor, figures); }};
 }
 

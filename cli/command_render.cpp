@@ -102,7 +102,7 @@ Status run_render(const RenderArguments& arguments, JobMonitor& monitor, Json& f
   if (!cameras) return cameras.error();
   const Result<OffscreenRenderer> offscreen = make_offscreen_renderer(arguments.view);
   if (!offscreen) return offscreen.error();
-  figures["renderer"] = offscreen->context->description();
+  figures["renderer"] = offscreen->description;
   const bool model = arguments.input.size() == 1 && is_model(arguments.input.front());
   const auto render = model ? render_model : render_untouched_source;
   PROMENADE_TRY(render(arguments, *cameras, *offscreen->renderer, monitor, figures));
@@ -133,7 +133,7 @@ Command add_render(CLI::App& program) {
       ->default_str("color");
   add_camera_options(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::static_error, uint64_t(4) << 30);
-  add_offscreen_option(*app, arguments->view);
+  add_renderer_options(*app, arguments->view);
   add_import_options(*app, arguments->import);
   return {
       app, {}, [arguments](JobMonitor& monitor, Json& figures) { return run_render(*arguments, monitor, figures); }};

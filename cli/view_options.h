@@ -16,11 +16,16 @@
 
 namespace promenade {
 
+/// Who draws: OpenGL, the CPU visibility buffer, or OpenGL where there is a GPU and the visibility buffer where there
+/// is none.
+enum class RendererKind : uint8_t { automatic, gl, cpu };
+
 struct ViewOptions {
   PixelSize size;
   double vertical_fov_deg = 60;
   double near_m = 0.1;
   SessionOptions session;
+  RendererKind renderer = RendererKind::automatic;
   OffscreenKind offscreen = OffscreenKind::automatic;
   bool no_sky = false;
 };
@@ -29,18 +34,19 @@ struct ViewOptions {
 void add_camera_options(CLI::App& app, ViewOptions& options);
 /// --camera x,y,z,yaw,pitch.
 void add_pose_option(CLI::App& app, std::optional<Pose>& pose, const std::string& help);
-/// --offscreen.
-void add_offscreen_option(CLI::App& app, ViewOptions& options);
+/// --renderer, --offscreen.
+void add_renderer_options(CLI::App& app, ViewOptions& options);
 /// --policy, --pixel-error, --memory, --target-ms, --disk-*, and the policies' constants.
 void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_policy, uint64_t default_memory_bytes);
 
 Camera camera_of(const ViewOptions& options, const Pose& pose);
 Background background_of(const ViewOptions& options);
 
-/// An OpenGL renderer and the context under it, in the order in which they must go.
+/// A renderer without a window, and the context under it (null for the CPU's), in the order in which they must go.
 struct OffscreenRenderer {
   std::unique_ptr<GlContext> context;
-  std::unique_ptr<GlRenderer> renderer;
+  std::unique_ptr<Renderer> renderer;
+  std::string description;  ///< for reports
 };
 Result<OffscreenRenderer> make_offscreen_renderer(const ViewOptions& options);
 

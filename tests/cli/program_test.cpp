@@ -71,7 +71,8 @@ TEST_F(SmallCity, info_tells_its_levels) {
 
 TEST_F(SmallCity, is_flown_through_within_its_bound_with_a_row_a_frame) {
   const ProgramRun run = run_program(
-      "fly city.prom --path city_walk.json --seconds 1 --size 160x90 --memory 64MiB --offscreen osmesa --frames "
+      "fly city.prom --path city_walk.json --seconds 1 --size 160x90 --memory 64MiB --renderer gl --offscreen osmesa "
+      "--frames "
       "pictures --frames-every 10 "
       "--report walk.html --json fly.json",
       folder());
@@ -96,7 +97,7 @@ TEST_F(SmallCity, looks_the_same_from_the_model_at_full_detail_and_from_the_sour
   const json key = json_in(folder() / "city_fly.json")["keys"][0];
   const std::string camera = key["eye"][0].dump() + "," + key["eye"][1].dump() + "," + key["eye"][2].dump() + "," +
                              key["yaw_deg"].dump() + "," + key["pitch_deg"].dump();
-  const std::string rest = " --camera " + camera + " --size 160x90 --offscreen osmesa -o ";
+  const std::string rest = " --camera " + camera + " --size 160x90 --renderer gl --offscreen osmesa -o ";
   const ProgramRun model = run_program("render city.prom --policy none" + rest + "model.png", folder());
   const ProgramRun source = run_program("render city.glb" + rest + "source.png", folder());
   ASSERT_EQ(model.exit_code, 0) << model.err;
@@ -139,8 +140,9 @@ TEST(Errors, name_the_file_and_leave_nothing_behind) {
   expect_one_clear_line(run_program("build empty.obj -o m", folder.path()), "no triangles");
   expect_one_clear_line(run_program("info broken.glb", folder.path()), "broken.glb");
   expect_one_clear_line(run_program("fly missing --path path.json", folder.path()), "path.json");
-  expect_one_clear_line(run_program("render empty.obj --camera 0,0,0,0,0 -o x.png --offscreen osmesa", folder.path()),
-                        "no triangles");
+  expect_one_clear_line(
+      run_program("render empty.obj --camera 0,0,0,0,0 -o x.png --renderer gl --offscreen osmesa", folder.path()),
+      "no triangles");
   EXPECT_FALSE(fs::exists(folder.path() / "m"));
   EXPECT_FALSE(fs::exists(folder.path() / "x.png"));
 }
@@ -153,7 +155,8 @@ TEST(Building, one_triangle_is_a_model_that_can_be_looked_at) {
   EXPECT_EQ(json_in(folder.path() / "build.json")["nodes"], 1);
   // The triangle lies on the ground (y up turned to z up); seen from above it fills the middle of the picture.
   const ProgramRun render =
-      run_program("render one.prom --camera 0.3,0.3,1,0,-90 --size 64x64 --offscreen osmesa -o one.png", folder.path());
+      run_program("render one.prom --camera 0.3,0.3,1,0,-90 --size 64x64 --renderer gl --offscreen osmesa -o one.png",
+                  folder.path());
   ASSERT_EQ(render.exit_code, 0) << render.err;
   EXPECT_GT(fs::file_size(folder.path() / "one.png"), 100U);
 }
