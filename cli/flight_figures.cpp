@@ -49,6 +49,10 @@ double estimate_error_percent(double estimated_ms, double actual_ms) {
   return actual_ms > 0 ? 100 * (actual_ms - estimated_ms) / actual_ms : 0;
 }
 
+double estimated_ms(const FrameRow& row, bool with_feedback) {
+  return with_feedback ? row.estimated_ms : row.estimated_without_feedback_ms;
+}
+
 std::vector<PlotSeries> nodes_by_level(const FlightReport& report) {
   size_t levels = 0;
   for (const FrameRow& row : report.rows) levels = std::max(levels, row.nodes_by_level.size());
@@ -106,13 +110,20 @@ std::string base64(const std::vector<std::byte>& bytes) {
   return text;
 }
 
-std::string table_of(const FlightTotals& t) {
+std::string table_of(const FlightReport& report) {
+  const FlightTotals& t = report.totals;
+  const auto error_text = [&](bool with_feedback) {
+    const EstimateError error = estimate_error(report, with_feedback);
+    return fmt::format("{:+.1f} %, deviation {:.1f} %", error.mean_percent, error.stddev_percent);
+  };
   const std::pair<const char*, std::string> rows[] = {
       {"frames", fmt::format("{}", t.frames)},
       {"frame time, median", fmt::format("{:.1f} ms", t.frame_ms_p50)},
       {"frame time, 99th percentile", fmt::format("{:.1f} ms", t.frame_ms_p99)},
       {"frame time, standard deviation", fmt::format("{:.2f} ms", t.frame_ms_stddev)},
       {"response time, 99th percentile", fmt::format("{:.1f} ms", t.response_ms_p99)},
+      {"actual against estimated frame time", error_text(true)},
+      {"the same without feedback", error_text(false)},
       {"triangles drawn, mean", human_count(static_cast<uint64_t>(t.triangles_drawn_mean))},
       {"nodes drawn, mean", fmt::format("{:.1f}", t.nodes_drawn_mean)},
       {"nodes missing, mean", fmt::format("{:.3f}", t.nodes_missing_mean)},
@@ -142,7 +153,19 @@ svg text { fill: var(--ink); } svg .title { font-weight: 600; font-size: 13px; }
 
 }  // namespace
 
+EstimateError estimate_error(const FlightReport& report, bool with_feedback) {
+  const std::vector<double> errors = column(report, [&](const FrameRow& row) {
+    return estimate_error_percent(estimated_ms(row, with_feedback), row.frame_ms);
+  });
+  if (errors.empty()) return {};
+  double sum = 0, squares = 0;
+  for (const double e : errors) sum += e, squares += e * e;
+  const double mean = sum / double(errors.size());
+  return {mean, std::sqrt(std::max(0.0, squares / double(errors.size()) - mean * mean))};
+}
+
 Json json_of(const FlightReport& report) {
+  const EstimateError with = estimate_error(report, true), without = estimate_error(report, false);
   const FlightTotals& t = report.totals;
   Json json = {{"frame_count", t.frames},
                {"frame_ms_mean", t.frame_ms_mean},
@@ -162,7 +185,11 @@ Json json_of(const FlightReport& report) {
                {"resident_bytes_peak", t.resident_bytes_peak},
                {"peak_rss_bytes", t.peak_rss_bytes},
                {"stalls", t.stalls},
-               {"memory_bytes", t.memory_bytes}};
+               {"memory_bytes", t.memory_bytes},
+               {"estimate_error_percent_mean", with.mean_percent},
+               {"estimate_error_percent_stddev", with.stddev_percent},
+               {"estimate_without_feedback_error_percent_mean", without.mean_percent},
+               {"estimate_without_feedback_error_percent_stddev", without.stddev_percent}};
   json["frames"] = Json::array();
   for (const FrameRow& row : report.rows) json["frames"].push_back(json_of_row(row));
   return json;
@@ -174,7 +201,7 @@ std::string html_of(const FlightReport& report, const FlightPage& page) {
   html += fmt::format("<title>Flight through {}</title>\n{}", escaped(page.model), kStyle);
   html += fmt::format("<h1>Flight through {}</h1>\n<p>{}, policy {}, {}</p>\n", escaped(page.model), escaped(page.path),
                       escaped(page.policy), escaped(page.renderer));
-  html += table_of(report.totals) + "<div class=pictures>\n";
+  html += table_of(report) + "<div class=pictures>\n";
   for (const FlightPage::Picture& picture : page.pictures)
     html += fmt::format(
         "<figure><img alt=\"frame {0}\" src=\"data:image/jpeg;base64,{1}\"><figcaption>frame "

@@ -9,6 +9,14 @@
 
 namespace promenade {
 
+/// How far the estimated frame times were from the actual ones, in percent of the actual: mean and standard deviation
+/// over the frames. Positive: frames took longer than estimated ([lakhia2004] section 6.3, whose negative sign is a
+/// conservative estimate).
+struct EstimateError {
+  double mean_percent = 0, stddev_percent = 0;
+};
+EstimateError estimate_error(const FlightReport& report, bool with_feedback);
+
 /// `fly --json`: a row a frame under "frames", their number under "frame_count", the totals by their names, the
 /// loader's counts under "loader".
 Json json_of(const FlightReport& report);
