@@ -107,7 +107,8 @@ Mesh telephone(glm::u8vec4 body, double quality) {
   s.paint(shaded(body, -0.2)).tube(handset, 0.018, s.steps(8, 4));
   if (quality < kFineDetail) s.paint(kPaper).box({-0.015, -0.07, 0.0451}, {0.067, 0.034, 0.049});
   for (int i = 0; i < 12 && quality >= kFineDetail; ++i) {
-    const double x = -0.015 + 0.03 * (i % 3), y = -0.07 + 0.028 * (i / 3);
+    const int column = i % 3, row = i / 3;
+    const double x = -0.015 + 0.03 * column, y = -0.07 + 0.028 * row;
     s.paint(kPaper).box({x, y, 0.0451}, {x + 0.022, y + 0.02, 0.049});
   }
   s.paint(rgb(0x9fb8a0)).box({-0.02, 0.05, 0.0451}, {0.075, 0.085, 0.047});

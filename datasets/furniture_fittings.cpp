@@ -176,7 +176,7 @@ struct Kitchen {
 Mesh kitchen_unit(const Kitchen& p, double quality) {
   Sculptor s(quality);
   const double half = p.length_m / 2;
-  const auto count = static_cast<int>(p.length_m / 0.6 + 0.5);
+  const auto count = static_cast<int>(std::lround(p.length_m / 0.6));
   s.paint(kGraphite).box({-half + 0.02, -0.52, 0}, {half - 0.02, -0.001, 0.1});
   s.paint(kOffWhite).box({-half, -0.58, 0.1001}, {half, -0.001, 0.87});
   s.box({-half, -0.33, 1.45}, {half, -0.001, 2.1});

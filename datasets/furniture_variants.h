@@ -16,6 +16,7 @@ template <class Parameters>
 std::vector<std::function<Mesh(double)>> each(Mesh (*build)(const Parameters&, double),
                                               std::vector<Parameters> variants) {
   std::vector<std::function<Mesh(double)>> builders;
+  builders.reserve(variants.size());
   for (const Parameters& p : variants) builders.emplace_back([build, p](double quality) { return build(p, quality); });
   return builders;
 }

@@ -54,6 +54,7 @@ std::vector<double> part_volumes(const Mesh& mesh) {
     volume[find(weld[mesh.indices[i]])] += glm::dot(p(0), glm::cross(p(1), p(2))) / 6;
   }
   std::vector<double> volumes;
+  volumes.reserve(volume.size());
   for (const auto& [part, v] : volume) volumes.push_back(v);
   return volumes;
 }
