@@ -54,7 +54,9 @@ TEST(Flight, starts_with_roots_and_ends_with_all_detail) {
   EXPECT_EQ(report->rows.back().nodes_missing, 0U);
   EXPECT_GT(report->totals.toggles_per_frame, 0);
   EXPECT_EQ(report->totals.bytes_read, 40U * 1000U);
-  EXPECT_EQ(report->totals.bytes_read_useful, 28U * 1000U) << "the inner nodes were never shown";
+  // The 27 leaves and the root; of the inner nodes those that a slow machine showed on the way.
+  EXPECT_GE(report->totals.bytes_read_useful, 28U * 1000U);
+  EXPECT_LE(report->totals.bytes_read_useful, report->totals.bytes_read);
   EXPECT_LE(report->totals.resident_bytes_peak, uint64_t(64) << 20);
   EXPECT_GT(report->totals.peak_rss_bytes, 1000000U);
   EXPECT_EQ(renderer.bytes(), 0U) << "all handles given back";
