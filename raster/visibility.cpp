@@ -26,7 +26,7 @@ using raster_kernel::kSubpixel;
 using raster_kernel::kTile;
 using raster_kernel::Region;
 
-constexpr int32_t kGuardPx = 1024;      // beyond the picture's sides; keeps coordinates within 2^22 sub-pixels
+constexpr int32_t kGuardPx = 1024;       // beyond the picture's sides; keeps coordinates within 2^22 sub-pixels
 constexpr size_t kRegionsPerThread = 4;  // so that a thread that drew an easy region takes another
 constexpr int32_t kSmallestRegion = 8;   // tiles; smaller ones repeat too much set-up
 

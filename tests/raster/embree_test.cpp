@@ -27,8 +27,7 @@ TEST(AgainstEmbree, ids_are_equal_among_huge_degenerate_and_enclosing_triangles)
     const Rays rays(scene);
     Comparison c;
     for (uint32_t i = 0; i < 6; ++i)
-      compare(scene, rays, perspective_view(random_camera(random, i % 2 == 0 ? 0.3 : 5, 120, 80), glm::dvec3(0)), 1,
-              c);
+      compare(scene, rays, perspective_view(random_camera(random, i % 2 == 0 ? 0.3 : 5, 120, 80), glm::dvec3(0)), 1, c);
     report(c);
   }
 }
