@@ -223,7 +223,7 @@ Result<PreparedMesh> prepare(const Mesh& mesh, std::span<const Material> materia
   out.triangle_count = static_cast<uint32_t>(mesh.triangle_count());
   if (!out.box.empty())
     for (int i = 0; i < 3; ++i)
-      if (std::max(std::abs(out.box.min[i]), std::abs(out.box.max[i])) > kMaxCoordinate_m)
+      if (std::max(std::abs(out.box.min[i]), std::abs(out.box.max[i])) > kMaxCoordinateM)
         return Error{"mesh to draw: a coordinate beyond 1e12 m; scale the model or move its origin"};
   const std::vector<uint32_t> weld = welded(mesh);
   std::vector<Piece> pieces = pieces_of(mesh, materials, out.box, options.attributes);

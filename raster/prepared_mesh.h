@@ -12,7 +12,7 @@
 namespace promenade {
 
 /// Largest coordinate of a mesh, in metres: beyond it single precision overflows on the way to the picture.
-constexpr float kMaxCoordinate_m = 1e12F;
+constexpr float kMaxCoordinateM = 1e12F;
 
 struct PrepareOptions {
   /// Keeps what shading and holes need (normals, texture coordinates, colours). Without: depth and ids only, and
@@ -40,7 +40,7 @@ uint64_t prepared_bytes_bound(uint64_t vertices, uint64_t triangles);
 /// Whether some of its surface is seen through (AlphaMode::blend).
 bool has_blended(const PreparedMesh& mesh);
 
-/// Refuses meshes that find_defect refuses, and coordinates beyond kMaxCoordinate_m. Triangles without an area are
+/// Refuses meshes that find_defect refuses, and coordinates beyond kMaxCoordinateM. Triangles without an area are
 /// left out: they cover no pixel. A triangle whose material is not in `materials` counts as opaque and one-sided.
 /// Pure; any thread; the same mesh gives the same blocks.
 Result<PreparedMesh> prepare(const Mesh& mesh, std::span<const Material> materials, const PrepareOptions& options = {});

@@ -26,7 +26,7 @@ using raster_kernel::kSubpixel;
 using raster_kernel::kTile;
 using raster_kernel::Region;
 
-constexpr int32_t kGuard_px = 1024;      // beyond the picture's sides; keeps coordinates within 2^22 sub-pixels
+constexpr int32_t kGuardPx = 1024;       // beyond the picture's sides; keeps coordinates within 2^22 sub-pixels
 constexpr size_t kRegionsPerThread = 4;  // so that a thread that drew an easy region takes another
 constexpr int32_t kSmallestRegion = 8;   // tiles; smaller ones repeat too much set-up
 
@@ -44,7 +44,7 @@ Status check(const RasterView& view) {
   if (!finite(view.eye) || !finite(view.right) || !finite(view.up) || !finite(view.forward) ||
       !std::isfinite(view.near_m))
     return Error{"view with a number that is not finite"};
-  if (glm::length(view.eye) > kMaxCoordinate_m) return Error{"view with an eye beyond 1e12 m of the model's origin"};
+  if (glm::length(view.eye) > kMaxCoordinateM) return Error{"view with an eye beyond 1e12 m of the model's origin"};
   if (!view.orthographic && !(view.near_m >= 1e-9))
     return Error{"view with a near plane at " + std::to_string(view.near_m) + " m: it must be at least 1e-9 m away"};
   if (!(view.scale_px > 0) || view.scale_px > 1e9)
@@ -57,8 +57,8 @@ Frame frame_of(const RasterView& view, const VisibilityOptions& options) {
   f.width = static_cast<int32_t>(view.width_px), f.height = static_cast<int32_t>(view.height_px);
   f.tiles_x = (f.width + kTile - 1) / kTile, f.tiles_y = (f.height + kTile - 1) / kTile;
   f.axis_x = f.width * kSubpixel / 2, f.axis_y = f.height * kSubpixel / 2;
-  f.guard_x = static_cast<float>(f.axis_x + kGuard_px * kSubpixel);
-  f.guard_y = static_cast<float>(f.axis_y + kGuard_px * kSubpixel);
+  f.guard_x = static_cast<float>(f.axis_x + kGuardPx * kSubpixel);
+  f.guard_y = static_cast<float>(f.axis_y + kGuardPx * kSubpixel);
   f.near_m = static_cast<float>(view.near_m);
   f.orthographic = view.orthographic;
   f.clear_z = view.orthographic ? std::numeric_limits<float>::lowest() : 0.0F;
@@ -107,7 +107,7 @@ void set_transform(Item& item, const RasterView& view, const std::optional<glm::
   }
   item.placed = placed.has_value();
   item.mirrored = det < 0;
-  if (!(std::abs(det) > 0) || !finite(eye) || !finite(axis) || glm::length(eye) > double(kMaxCoordinate_m))
+  if (!(std::abs(det) > 0) || !finite(eye) || !finite(axis) || glm::length(eye) > double(kMaxCoordinateM))
     item.block_count = 0;
 }
 
@@ -178,7 +178,7 @@ std::vector<Seen> items_in_view(const VisibilityBuffer::State& s, std::span<cons
 std::vector<Region> regions_of(const Frame& f, unsigned threads) {
   int32_t columns = 1, rows = 1;
   const size_t wanted = threads == 1 ? 1 : threads * kRegionsPerThread;
-  while (static_cast<size_t>(columns * rows) < wanted) {
+  while (static_cast<size_t>(columns) * static_cast<size_t>(rows) < wanted) {
     const int32_t width = f.tiles_x / columns, height = f.tiles_y / rows;
     if (std::max(width, height) < 2 * kSmallestRegion) break;
     (width >= height ? columns : rows) *= 2;

@@ -22,13 +22,12 @@ TEST(AgainstEmbree, ids_are_equal_in_perspective) {
 
 TEST(AgainstEmbree, ids_are_equal_among_huge_degenerate_and_enclosing_triangles) {
   Random random(41);
-  for (uint64_t seed = 0; seed < 4; ++seed) {
+  for (uint64_t seed = 0; seed < 3; ++seed) {
     const Scene scene = hostile_scene(42 + seed);
     const Rays rays(scene);
     Comparison c;
     for (uint32_t i = 0; i < 6; ++i)
-      compare(scene, rays, perspective_view(random_camera(random, i % 2 == 0 ? 0.3 : 5, 240, 160), glm::dvec3(0)), 1,
-              c);
+      compare(scene, rays, perspective_view(random_camera(random, i % 2 == 0 ? 0.3 : 5, 120, 80), glm::dvec3(0)), 1, c);
     report(c);
   }
 }

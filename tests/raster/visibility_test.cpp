@@ -72,7 +72,7 @@ class EachSimd : public testing::TestWithParam<Simd> {};
 
 TEST_P(EachSimd, fans_cover_each_pixel_exactly_once) {
   Random random(1);
-  for (uint32_t round = 0; round < 150; ++round) {
+  for (uint32_t round = 0; round < 60; ++round) {
     const double scale = 16, radius = std::pow(10.0, random.within(-1, 0.7));  // triangles of 1 to 100 pixels
     const auto fan = random_fan(random, radius, round % 2 == 0, scale);
     const RasterView view = view_from_above(176, 176, scale);
