@@ -53,7 +53,7 @@ Command add_view(CLI::App& program) {
   app->footer(
       "Keys: left mouse button look; W A S D, arrows, space, C move; Q E roll; wheel speed; F straighten; H panel; P "
       "screenshot;\n"
-      "R record a path; N node colours; Escape leave.");
+      "R record a path; Escape leave.");
   return {app, {}, [arguments](JobMonitor&, Json& figures) { return run_view(*arguments, figures); }};
 }
 

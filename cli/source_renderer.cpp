@@ -65,12 +65,12 @@ Status draw_portion(const SourceRenderOptions& options, BruteForceScene& portion
 
 /// The corner of the first object, rounded: single precision is enough from there, wherever on Earth the source lies.
 glm::dvec3 origin_of(const Scene& scene) {
-  constexpr double kFarFromZero_m = 50'000;
+  constexpr double kFarFromZeroM = 50'000;
   if (scene.instances.empty()) return glm::dvec3(0);
   const SceneInstance& instance = scene.instances.front();
   const glm::dvec3 at(instance.world_from_mesh *
                       glm::dvec4(glm::dvec3(bounds(scene.meshes[instance.mesh]).center()), 1.0));
-  return glm::length(at) > kFarFromZero_m ? glm::round(at) : glm::dvec3(0);
+  return glm::length(at) > kFarFromZeroM ? glm::round(at) : glm::dvec3(0);
 }
 
 uint64_t triangles_of(const Scene& scene) {

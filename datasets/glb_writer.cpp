@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <bit>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -46,7 +47,7 @@ const std::array<uint16_t, 256>& linear_of_srgb() {
   static const std::array<uint16_t, 256> table = [] {
     std::array<uint16_t, 256> values{};
     for (size_t i = 0; i < 256; ++i)
-      values[i] = static_cast<uint16_t>(srgb_to_linear(static_cast<uint8_t>(i)) * 65535.0F + 0.5F);
+      values[i] = static_cast<uint16_t>(std::lround(srgb_to_linear(static_cast<uint8_t>(i)) * 65535.0F));
     return values;
   }();
   return table;
