@@ -22,7 +22,7 @@ const std::array<float, 256>& linear_table() {
   return table;
 }
 
-uint32_t root(float linear) { return static_cast<uint32_t>(std::sqrt(std::min(linear, 1.0F)) * 1023.0F + 0.5F); }
+uint32_t root(float linear) { return static_cast<uint32_t>(std::lround(std::sqrt(std::min(linear, 1.0F)) * 1023.0F)); }
 
 /// The mean of four texels: colours by their opacity, so that what is not there does not bleed.
 Texel mean(const std::array<const Texel*, 4>& texels) {
@@ -59,7 +59,7 @@ void MipTexture::store_level(uint32_t level, const std::vector<Texel>& from, uin
     for (uint32_t x = 0; x <= width; ++x, ++to) {
       const Texel& t = from[row + (x == width ? 0 : x)];
       texels_[to] = static_cast<int32_t>(root(t.color[0]) | root(t.color[1]) << 10 | root(t.color[2]) << 20);
-      if (!opacity_.empty()) opacity_[to] = static_cast<uint8_t>(t.opacity * 255.0F + 0.5F);
+      if (!opacity_.empty()) opacity_[to] = static_cast<uint8_t>(std::lround(t.opacity * 255.0F));
     }
   }
 }
