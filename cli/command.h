@@ -29,6 +29,7 @@ Command add_info(CLI::App& program);
 Command add_render(CLI::App& program);
 Command add_fly(CLI::App& program);
 Command add_view(CLI::App& program);
+Command add_verify(CLI::App& program);
 
 struct ImportOptions;
 /// --unit, --up, --no-repair: how a source is read.

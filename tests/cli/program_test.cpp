@@ -109,6 +109,16 @@ TEST_F(SmallCity, looks_the_same_from_the_model_at_full_detail_and_from_the_sour
       << "colours differ by more than a twentieth in more than 1 % of the pixels";
 }
 
+TEST_F(SmallCity, verify_finds_one_changed_bit) {
+  EXPECT_EQ(run_program("verify city.prom", folder()).exit_code, 0);
+  fs::copy(folder() / "city.prom", folder() / "changed.prom", fs::copy_options::recursive);
+  const fs::path file = folder() / "changed.prom" / "geometry.bin";
+  std::string bytes = read_text(file);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  write_text(file, bytes);
+  expect_one_clear_line(run_program("verify changed.prom", folder()), "geometry.bin");
+}
+
 TEST_F(SmallCity, a_corrupt_model_is_named_and_not_drawn) {
   fs::copy(folder() / "city.prom", folder() / "corrupt.prom", fs::copy_options::recursive);
   fs::resize_file(folder() / "corrupt.prom" / "tables.bin", 100);
@@ -123,7 +133,7 @@ TEST(Usage, errors_exit_with_2_and_help_with_0) {
         "fly x --path p --policy magic", "render x -o y.png --camera 0,0,0,0,0 --size 0x0"})
     EXPECT_EQ(run_program(words, folder.path()).exit_code, 2) << words;
   for (const char* words : {"--help", "--version", "generate --help", "build --help", "info --help", "render --help",
-                            "fly --help", "view --help"}) {
+                            "fly --help", "view --help", "verify --help"}) {
     const ProgramRun run = run_program(words, folder.path());
     EXPECT_EQ(run.exit_code, 0) << words;
     EXPECT_FALSE(run.out.empty()) << words;
