@@ -148,7 +148,8 @@ class CityReader {
     const auto [mesh, offset] = template_mesh(*index, type);
     glm::dmat4 world(1);
     for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 4; ++column) world[column][row] = m[static_cast<size_t>(row * 4 + column)];
+      for (int column = 0; column < 4; ++column)
+        world[column][row] = m[static_cast<size_t>(row) * 4 + static_cast<size_t>(column)];
     world = glm::translate(glm::dmat4(1), vertices[static_cast<size_t>(*anchor)]) * world *
             glm::translate(glm::dmat4(1), offset);
     out_.scene.instances.push_back({mesh, world, id, type});

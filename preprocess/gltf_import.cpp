@@ -38,7 +38,8 @@ glm::dmat4 local_transform(const Json& node) {
   if (numbers(member(node, "matrix"), matrix)) {
     glm::dmat4 m(1);
     for (int column = 0; column < 4; ++column)
-      for (int row = 0; row < 3; ++row) m[column][row] = matrix[static_cast<size_t>(column * 4 + row)];
+      for (int row = 0; row < 3; ++row)
+        m[column][row] = matrix[static_cast<size_t>(column) * 4 + static_cast<size_t>(row)];
     return m;
   }
   std::array<double, 3> translation{0, 0, 0};

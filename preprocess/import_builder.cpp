@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kOffsetStep = 1024;  // floats resolve a tenth of a millimetre over a few such steps
 constexpr size_t kOffsetSamples = 1025;
-const glm::vec3 kNoNormal(0);
+constexpr glm::vec3 kNoNormal(0);
 
 bool finite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
