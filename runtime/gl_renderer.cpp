@@ -95,7 +95,7 @@ GLint gl_wrap(int wrap) {
 class Renderer33 final : public GlRenderer {
  public:
   Renderer33(GlContext& context, const GlRendererOptions& options)
-      : context_(context), gl_(context.functions()), options_(options), target_(gl_) {}
+      : gl_(context.functions()), options_(options), target_(gl_) {}
   Renderer33(const Renderer33&) = delete;
   Renderer33& operator=(const Renderer33&) = delete;
   ~Renderer33() override;
@@ -146,7 +146,6 @@ class Renderer33 final : public GlRenderer {
   void set_vertex_layout() const;
   Status check(const char* what) const;
 
-  GlContext& context_;
   const GlFunctions& gl_;
   GlRendererOptions options_;
   GlFrameTarget target_;

@@ -21,6 +21,7 @@ struct ColorTables {
     for (uint32_t i = 0; i < kSrgbEntries; ++i) srgb[i] = linear_to_srgb(float(i) / float(kSrgbEntries - 1));
   }
   uint8_t encode(float value) const {
+    // Never negative, and lround is a call a texel. NOLINTNEXTLINE(bugprone-incorrect-roundings)
     return srgb[static_cast<uint32_t>(std::clamp(value, 0.0F, 1.0F) * float(kSrgbEntries - 1) + 0.5F)];
   }
 };
@@ -55,7 +56,7 @@ glm::u8vec4 averaged(const Image& image, Range xs, Range ys, const ColorTables& 
   // Where nothing is opaque the colour still bleeds into its neighbours when magnified: keep the plain mean.
   const glm::vec3 color = opacity > 0 ? weighted / opacity : plain / count;
   return {tables.encode(color.r), tables.encode(color.g), tables.encode(color.b),
-          static_cast<uint8_t>(opacity / count + 0.5F)};
+          static_cast<uint8_t>(std::lround(opacity / count))};
 }
 
 uint32_t group_rank(const Material& material) { return static_cast<uint32_t>(material.alpha); }

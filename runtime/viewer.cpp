@@ -25,10 +25,10 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 /// Time between two keys of a recorded path: linear between them, so that hand movements stay visible.
-constexpr double kRecordEvery_s = 0.1;
+constexpr double kRecordEveryS = 0.1;
 constexpr size_t kPlotFrames = 120;
 /// A frame of more than this moves the eye no further: after a pause (a debugger, a suspended laptop) it does not leap.
-constexpr double kLongestStep_s = 0.25;
+constexpr double kLongestStepS = 0.25;
 /// Part of the model's size that the first speed crosses in a second.
 constexpr double kFirstSpeed = 0.05;
 
@@ -84,12 +84,7 @@ class Viewer {
  public:
   Viewer(const ModelSource& source, const ViewerOptions& options, GlWindow& window, GlRenderer& renderer,
          Session& session)
-      : source_(source),
-        options_(options),
-        window_(window),
-        renderer_(renderer),
-        session_(session),
-        panels_(window.handle()) {
+      : options_(options), window_(window), renderer_(renderer), session_(session), panels_(window.handle()) {
     const DBox box = box_of(source.model());
     camera_.vertical_fov_deg = options.vertical_fov_deg;
     camera_.near_m = options.near_m;
@@ -108,7 +103,6 @@ class Viewer {
   void draw_panel(const FrameRow& row);
   void draw_settings();
 
-  const ModelSource& source_;
   const ViewerOptions& options_;
   GlWindow& window_;
   GlRenderer& renderer_;
@@ -168,7 +162,7 @@ void Viewer::read_keys(double dt_s) {
 
 void Viewer::record(double t_s) {
   if (!recording_) return;
-  if (!path_.keys.empty() && t_s - path_.keys.back().t_s < kRecordEvery_s) return;
+  if (!path_.keys.empty() && t_s - path_.keys.back().t_s < kRecordEveryS) return;
   path_.keys.push_back({t_s, camera_.pose});
 }
 
@@ -251,7 +245,7 @@ Result<ViewerReport> Viewer::run() {
   double last_s = 0, total_ms = 0;
   while (!window_.closing() && (options_.max_frames == 0 || report_.frames < options_.max_frames)) {
     const double now_s = std::chrono::duration<double>(Clock::now() - begin).count();
-    const double dt_s = std::min(now_s - last_s, kLongestStep_s);
+    const double dt_s = std::min(now_s - last_s, kLongestStepS);
     last_s = now_s;
     Panels::begin();
     read_keys(dt_s);

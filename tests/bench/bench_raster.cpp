@@ -26,7 +26,7 @@ namespace {
 
 using namespace promenade;  // NOLINT(google-build-using-namespace)
 
-constexpr float kPitch_m = 22, kSide_m = 12;
+constexpr float kPitchM = 22, kSideM = 12;
 
 uint64_t hash(uint64_t z) {
   z = (z + 0x9e3779b97f4a7c15ULL) * 0xbf58476d1ce4e5b9ULL;
@@ -66,16 +66,16 @@ void add_wall(Mesh& mesh, const glm::vec3& origin, const glm::vec3& along, const
 Mesh building(uint32_t column, uint32_t row) {
   Mesh mesh;
   const uint64_t h = hash(uint64_t(column) << 32 | row);
-  const glm::vec3 low(float(column) * kPitch_m, float(row) * kPitch_m, 0);
+  const glm::vec3 low(float(column) * kPitchM, float(row) * kPitchM, 0);
   const float height = 8 + float(h % 30);
-  const glm::vec3 x(kSide_m, 0, 0), y(0, kSide_m, 0), z(0, 0, height);
+  const glm::vec3 x(kSideM, 0, 0), y(0, kSideM, 0), z(0, 0, height);
   add_wall(mesh, low, x, z, 6, 7);
   add_wall(mesh, low + x, y, z, 6, 7);
   add_wall(mesh, low + x + y, -x, z, 6, 7);
   add_wall(mesh, low + y, -y, z, 6, 7);
   add_wall(mesh, low + z, x, y, 2, 2);
-  const glm::vec3 plot = low - glm::vec3(kPitch_m - kSide_m, kPitch_m - kSide_m, 0);
-  add_wall(mesh, plot, glm::vec3(kPitch_m, 0, 0), glm::vec3(0, kPitch_m, 0), 1, 1);
+  const glm::vec3 plot = low - glm::vec3(kPitchM - kSideM, kPitchM - kSideM, 0);
+  add_wall(mesh, plot, glm::vec3(kPitchM, 0, 0), glm::vec3(0, kPitchM, 0), 1, 1);
   return mesh;
 }
 
@@ -144,10 +144,10 @@ enum View : int64_t { street, overview };
 /// One of eight frames of a walk.
 Camera camera_of(const City& c, int64_t view, uint32_t frame) {
   Camera camera;
-  const double extent = double(c.side) * kPitch_m;
+  const double extent = double(c.side) * kPitchM;
   if (view == street) {
     const double column = std::floor(c.side * (0.2 + 0.06 * frame));
-    camera.pose.eye = {column * kPitch_m - (kPitch_m - kSide_m) / 2, extent * (0.1 + 0.07 * frame), 1.7};
+    camera.pose.eye = {column * kPitchM - (kPitchM - kSideM) / 2, extent * (0.1 + 0.07 * frame), 1.7};
     camera.pose.yaw_deg = 90 + 12.0 * (frame % 4) - 18;
   } else {
     camera.pose.eye = {extent * (0.05 + 0.02 * frame), extent * 0.02, 60 + extent * 0.08};
@@ -416,7 +416,7 @@ void BM_FrameOsMesa(benchmark::State& state) {
 }
 
 /// Size by size, so that a city is made once.
-const bool kRegistered = [] {
+const bool registered = [] {
   const char* only = std::getenv("PROMENADE_BENCH_TRIANGLES");
   const auto add = [](const char* name, auto function, const std::vector<int64_t>& args) {
     benchmark::RegisterBenchmark(name, function)

@@ -26,22 +26,22 @@ void expect_one_clear_line(const ProgramRun& run, const std::string& names) {
 class SmallCity : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new TemporaryFolder;
-    generated_ = new ProgramRun(
+    shared_folder = new TemporaryFolder;
+    generated = new ProgramRun(
         run_program("generate city --seed 3 --triangles 100000 -o city.glb --json generate.json", folder()));
-    built_ =
+    built =
         new ProgramRun(run_program("build city.glb -o city.prom --memory 1GiB --jobs 2 --json build.json", folder()));
   }
-  static void TearDownTestSuite() { delete folder_, delete generated_, delete built_; }
-  static const fs::path& folder() { return folder_->path(); }
+  static void TearDownTestSuite() { delete shared_folder, delete generated, delete built; }
+  static const fs::path& folder() { return shared_folder->path(); }
 
-  static inline TemporaryFolder* folder_ = nullptr;
-  static inline ProgramRun* generated_ = nullptr;
-  static inline ProgramRun* built_ = nullptr;
+  static inline TemporaryFolder* shared_folder = nullptr;
+  static inline ProgramRun* generated = nullptr;
+  static inline ProgramRun* built = nullptr;
 };
 
 TEST_F(SmallCity, is_generated_with_its_paths) {
-  ASSERT_EQ(generated_->exit_code, 0) << generated_->err;
+  ASSERT_EQ(generated->exit_code, 0) << generated->err;
   for (const char* file : {"city.glb", "city_walk.json", "city_drive.json", "city_fly.json"})
     EXPECT_TRUE(fs::exists(folder() / file)) << file;
   const json figures = json_in(folder() / "generate.json");
@@ -49,7 +49,7 @@ TEST_F(SmallCity, is_generated_with_its_paths) {
 }
 
 TEST_F(SmallCity, is_built_with_the_figures_of_the_contract) {
-  ASSERT_EQ(built_->exit_code, 0) << built_->err;
+  ASSERT_EQ(built->exit_code, 0) << built->err;
   const json figures = json_in(folder() / "build.json");
   for (const char* name : {"triangles_in", "nodes", "bytes_by_part", "stage_wall_s", "build_wall_s", "peak_rss_bytes"})
     EXPECT_TRUE(figures.contains(name)) << name;
