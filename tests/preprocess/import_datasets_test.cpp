@@ -11,10 +11,10 @@
 namespace promenade {
 namespace {
 
-const std::filesystem::path kDatasets = std::filesystem::path(PROMENADE_SOURCE_DIR) / ".." / "shared" / "datasets";
+const std::filesystem::path datasets_path = std::filesystem::path(PROMENADE_SOURCE_DIR) / ".." / "shared" / "datasets";
 
 nlohmann::json known_set(const std::string& name) {
-  std::ifstream in(kDatasets / "INDEX.json");
+  std::ifstream in(datasets_path / "INDEX.json");
   if (!in) return nullptr;
   const nlohmann::json index = nlohmann::json::parse(in);
   for (const nlohmann::json& set : index["sets"])
@@ -22,7 +22,7 @@ nlohmann::json known_set(const std::string& name) {
   return nullptr;
 }
 
-constexpr double kBoxTolerance_m = 0.03;  // the index rounds some boxes to the thickness of a floor
+constexpr double kBoxToleranceM = 0.03;  // the index rounds some boxes to the thickness of a floor
 
 /// The index counts the sports car as it was before its conversion to GLB, which has 684 triangles more.
 uint64_t known_triangles(const nlohmann::json& set) {
@@ -45,7 +45,7 @@ TEST_P(SharedDataset, imports_with_the_triangles_and_the_box_known_of_it) {
   ImportOptions options;
   options.repair = false;
   if (set["unit_scale_to_m"] != 1) options.unit_m = set["unit_scale_to_m"].get<double>();
-  const Result<Scene> scene = import_file(kDatasets / set["path"].get<std::string>(), options);
+  const Result<Scene> scene = import_file(datasets_path / set["path"].get<std::string>(), options);
   ASSERT_TRUE(scene.ok()) << scene.error().message;
   EXPECT_EQ(find_scene_defect(*scene), "");
   EXPECT_EQ(scene->report.counts.at("triangles"), known_triangles(set));
@@ -53,8 +53,8 @@ TEST_P(SharedDataset, imports_with_the_triangles_and_the_box_known_of_it) {
   const DBox box = world_box(*scene);
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<size_t>(axis);
-    EXPECT_NEAR(box.min[axis], set["bbox_zup_m"][0][i].get<double>(), kBoxTolerance_m);
-    EXPECT_NEAR(box.max[axis], set["bbox_zup_m"][1][i].get<double>(), kBoxTolerance_m);
+    EXPECT_NEAR(box.min[axis], set["bbox_zup_m"][0][i].get<double>(), kBoxToleranceM);
+    EXPECT_NEAR(box.max[axis], set["bbox_zup_m"][1][i].get<double>(), kBoxToleranceM);
   }
 }
 

@@ -10,8 +10,6 @@
 namespace promenade {
 namespace {
 
-using testing::ElementsAre;
-
 /// A right angle at the origin, legs of 4 m along x and y, everything interpolated linearly.
 Mesh large_triangle() {
   Mesh mesh;

@@ -14,10 +14,10 @@ namespace {
 
 using forest::Forest;
 
-const Box kAhead{{10, -8, -1}, {10.5F, 8, 1}};
+const Box ahead_pose{{10, -8, -1}, {10.5F, 8, 1}};
 
 struct Wood : Forest {
-  Wood() { grow(root(kAhead, 2), 3, 3); }
+  Wood() { grow(root(ahead_pose, 2), 3, 3); }
 };
 
 /// Two seconds of standing still, 10 frames a second.
@@ -38,14 +38,14 @@ FlightOptions stepped(Policy policy) {
   return options;
 }
 
-const FrameCallback kNothing = [](const FrameRow&, Renderer&) -> Status { return Done{}; };
+const FrameCallback nothing_there = [](const FrameRow&, Renderer&) -> Status { return Done{}; };
 
 TEST(Flight, starts_with_roots_and_ends_with_all_detail) {
   Wood model;
   NullRenderer renderer;
   JobMonitor monitor;
   const Result<FlightReport> report =
-      fly(model, renderer, standing(), stepped(Policy::static_error), kNothing, monitor);
+      fly(model, renderer, standing(), stepped(Policy::static_error), nothing_there, monitor);
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(report->rows.size(), 21U);
   EXPECT_EQ(report->rows.front().nodes_drawn, 1U);
@@ -68,7 +68,7 @@ TEST(Flight, slow_disk_gives_as_much_as_path_time_allows) {
   JobMonitor monitor;
   FlightOptions options = stepped(Policy::static_error);
   options.session.loader.disk_mbps = 0.01;  // a segment a path frame, however fast frames are drawn
-  const Result<FlightReport> report = fly(model, renderer, standing(), options, kNothing, monitor);
+  const Result<FlightReport> report = fly(model, renderer, standing(), options, nothing_there, monitor);
   ASSERT_TRUE(report);
   EXPECT_NEAR(double(report->totals.bytes_read), 21 * 1000, 2000);
   EXPECT_GT(report->rows.back().nodes_missing, 0U);
@@ -82,7 +82,7 @@ TEST(Flight, every_policy_flies_with_and_without_a_thread) {
       NullRenderer renderer;
       FlightOptions options = stepped(policy);
       options.session.loader_thread = thread;
-      const Result<FlightReport> report = fly(model, renderer, standing(), options, kNothing, monitor);
+      const Result<FlightReport> report = fly(model, renderer, standing(), options, nothing_there, monitor);
       ASSERT_TRUE(report) << report.error().message;
       EXPECT_EQ(report->rows.back().nodes_drawn, 27U) << name_of(policy);
     }
@@ -98,7 +98,7 @@ TEST(Flight, real_time_takes_as_long_as_the_path) {
   CameraPath path = standing();
   path.fps = 100;
   path.keys[1].t_s = 0.1;
-  const Result<FlightReport> report = fly(model, renderer, path, options, kNothing, monitor);
+  const Result<FlightReport> report = fly(model, renderer, path, options, nothing_there, monitor);
   ASSERT_TRUE(report);
   EXPECT_GE(report->rows.back().t_s, 0.0);
   EXPECT_LE(report->rows.size(), 12U) << "no more than the path's own frames";
@@ -120,7 +120,8 @@ TEST(Flight, stops_with_the_callbacks_error_and_when_cancelled) {
   struct Stopped : JobMonitor {
     bool cancelled() const override { return true; }
   } stopped;
-  const Result<FlightReport> cancelled = fly(model, renderer, standing(), stepped(Policy::none), kNothing, stopped);
+  const Result<FlightReport> cancelled =
+      fly(model, renderer, standing(), stepped(Policy::none), nothing_there, stopped);
   ASSERT_FALSE(cancelled);
   EXPECT_EQ(cancelled.error().message, "interrupted");
 }
@@ -144,9 +145,9 @@ TEST(Flight, empty_path_and_model_are_refused) {
   NullRenderer renderer;
   JobMonitor monitor;
   Wood wood;
-  EXPECT_FALSE(fly(wood, renderer, CameraPath{}, stepped(Policy::none), kNothing, monitor));
+  EXPECT_FALSE(fly(wood, renderer, CameraPath{}, stepped(Policy::none), nothing_there, monitor));
   Forest empty;
-  EXPECT_FALSE(fly(empty, renderer, standing(), stepped(Policy::none), kNothing, monitor));
+  EXPECT_FALSE(fly(empty, renderer, standing(), stepped(Policy::none), nothing_there, monitor));
 }
 
 // --- with pictures ------------------------------------------------------------------------------------------------

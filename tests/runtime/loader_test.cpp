@@ -12,9 +12,9 @@ namespace promenade {
 namespace {
 
 using forest::Forest;
-using testing::ElementsAre, testing::IsEmpty;
+using testing::ElementsAre;
 
-const Box kSomewhere{{10, -8, -1}, {10.5F, 8, 1}};
+const Box somewhere_pose{{10, -8, -1}, {10.5F, 8, 1}};
 constexpr uint64_t kPlenty = uint64_t(1) << 30;
 
 /// A resident set with its loader, stepped by hand.
@@ -68,7 +68,7 @@ struct Bench {
 /// A root with four leaves; 1000 stored bytes each.
 struct RootWithFour : Forest {
   RootWithFour() {
-    top = root(kSomewhere, 1);
+    top = root(somewhere_pose, 1);
     leaves = split(top, 4, 0);
   }
   NodeId top{};
@@ -182,8 +182,8 @@ TEST(Loader, waits_for_the_render_thread_to_let_go) {
 TEST(Loader, never_exceeds_the_bound_never_evicts_roots_and_always_progresses) {
   for (const uint32_t seed : {1U, 2U, 3U}) {
     Forest model;
-    model.grow(model.root(kSomewhere, 1), 3, 4);
-    model.grow(model.root(kSomewhere, 1), 2, 5);
+    model.grow(model.root(somewhere_pose, 1), 3, 4);
+    model.grow(model.root(somewhere_pose, 1), 2, 5);
     std::mt19937 random(seed);
     const uint32_t nodes = static_cast<uint32_t>(model.model().tables.nodes.size());
     for (uint32_t i = 0; i < 12; ++i) {
@@ -324,7 +324,7 @@ TEST(Loader, emulated_disk_takes_its_time_and_counts_runs) {
 
 TEST(LoaderThread, feeds_a_render_loop_within_the_bound) {
   Forest model;
-  model.grow(model.root(kSomewhere, 1), 3, 4);
+  model.grow(model.root(somewhere_pose, 1), 3, 4);
   const uint32_t nodes = static_cast<uint32_t>(model.model().tables.nodes.size());
   Bench bench(model, 500000, 300);
   ASSERT_TRUE(bench.set->load_roots(bench.renderer));

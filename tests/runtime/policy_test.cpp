@@ -17,8 +17,8 @@ using forest::Forest;
 using testing::ElementsAre, testing::IsEmpty, testing::UnorderedElementsAre;
 
 /// In front of the camera, 10 m away, 16 m wide: seen whole (the view is 90 degrees).
-const Box kAhead{{10, -8, -1}, {10.5F, 8, 1}};
-const Box kBehind{{-10.5F, -8, -1}, {-10, 8, 1}};
+const Box ahead_pose{{10, -8, -1}, {10.5F, 8, 1}};
+const Box behind_pose{{-10.5F, -8, -1}, {-10, 8, 1}};
 
 struct Chooser {
   explicit Chooser(const Forest& f) : source(f), resident(f.model().tables.nodes.size(), 1) {
@@ -41,7 +41,7 @@ struct Chooser {
 /// A root with two children, each a leaf.
 struct OneSplit : Forest {
   OneSplit() {
-    top = root(kAhead, 1);
+    top = root(ahead_pose, 1);
     const std::vector<NodeId> children = split(top, 2, 0);
     right = children[0], left = children[1];  // y grows to the left
   }
@@ -105,7 +105,7 @@ TEST(Static, missing_child_shows_its_parent) {
 
 TEST(Static, missing_grandchild_shows_its_nearest_resident_ancestor) {
   Forest model;
-  const NodeId top = model.root(kAhead, 4);
+  const NodeId top = model.root(ahead_pose, 4);
   const std::vector<NodeId> middle = model.split(top, 2, 2);
   const std::vector<NodeId> a = model.split(middle[0], 2, 0), b = model.split(middle[1], 2, 0);
   Chooser choose(model);
@@ -120,7 +120,7 @@ TEST(Static, missing_grandchild_shows_its_nearest_resident_ancestor) {
 
 TEST(Static, draws_nothing_behind_the_camera) {
   Forest model;
-  model.root(kBehind, 1);
+  model.root(behind_pose, 1);
   Chooser choose(model);
   choose.options.policy = Policy::static_error;
   EXPECT_THAT(choose().front, IsEmpty());
@@ -129,7 +129,7 @@ TEST(Static, draws_nothing_behind_the_camera) {
 
 TEST(Static, visible_nodes_matter_more_than_hidden_ones) {
   Forest model;
-  const NodeId ahead = model.root(kAhead, 1), behind = model.root(kBehind, 1);
+  const NodeId ahead = model.root(ahead_pose, 1), behind = model.root(behind_pose, 1);
   Chooser choose(model);
   for (const Policy policy : {Policy::static_error, Policy::time_slices}) {
     choose.options.policy = policy;
@@ -142,7 +142,7 @@ TEST(Static, visible_nodes_matter_more_than_hidden_ones) {
 
 TEST(None, draws_every_leaf_in_view) {
   Forest model;
-  model.grow(model.root(kAhead, 1e-6F), 3, 3);
+  model.grow(model.root(ahead_pose, 1e-6F), 3, 3);
   Chooser choose(model);
   choose.options.policy = Policy::none;
   EXPECT_EQ(choose().front.size(), 27U);
@@ -197,7 +197,7 @@ SelectOptions lakhia_options() {
 
 TEST(TimeSlices, priority_is_the_published_formula) {
   Forest model;
-  const NodeId id = model.root(kAhead, 1, 900);
+  const NodeId id = model.root(ahead_pose, 1, 900);
   model.node(id).surface_m2 = 16;
   model.node(id).textured_triangles = 300;
   model.node(id).average_normal = {-0.8F, 0, 0.6F};
@@ -212,7 +212,7 @@ TEST(TimeSlices, priority_is_the_published_formula) {
 
 TEST(TimeSlices, priority_looks_where_the_eye_will_be) {
   Forest model;
-  const NodeId id = model.root(kAhead, 1);
+  const NodeId id = model.root(ahead_pose, 1);
   Chooser choose(model);
   choose.options = lakhia_options();
   const float standing = node_priority(model.model(), id, choose.view, choose.options);
@@ -276,7 +276,7 @@ TEST(TimeSlices, siblings_decide_together) {
 
 TEST(TimeSlices, share_is_never_exceeded_when_children_do_not_fit) {
   Forest model;
-  model.grow(model.root(kAhead, 8), 4, 4);
+  model.grow(model.root(ahead_pose, 8), 4, 4);
   std::mt19937 random(9);
   for (const bool hysteresis : {true, false}) {
     for (int round = 0; round < 30; ++round) {
@@ -372,7 +372,7 @@ TEST(Feedback, share_grows_only_while_something_loaded_was_rejected) {
 
 TEST(Feedback, loops_settle_near_the_target) {
   Forest model;
-  model.grow(model.root(kAhead, 8), 4, 5);
+  model.grow(model.root(ahead_pose, 8), 4, 5);
   Chooser choose(model);
   choose.options.policy = Policy::lakhia;
   choose.options.time.target_ms = 100;
