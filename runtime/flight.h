@@ -28,7 +28,7 @@ struct FlightOptions {
   double vertical_fov_deg = 60;
   double near_m = 0.1;
   Pacing pacing = Pacing::every_frame;
-  bool measure_overhead = true;  ///< some empty frames before the first
+  bool measure_overhead = true;  ///< some frames of the roots alone before the first
 };
 
 /// The totals of `fly --json`, names as there.

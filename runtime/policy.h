@@ -82,7 +82,7 @@ struct SelectState {
   double ms_per_cost = 0;        ///< v_time; 0: not known yet
   double first_ms_per_cost = 0;  ///< v_time as first measured: the estimate without feedback
   uint32_t measured_frames = 0;
-  double overhead_ms = 0;  ///< of a frame that draws nothing
+  double overhead_ms = 0;  ///< of a frame that draws the roots alone
   double share_ms = 0;     ///< shareTime of the roots; 0: not set yet
   /// Nodes on the way of a selection, parents before children; scratch.
   struct Visit {

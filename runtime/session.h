@@ -67,7 +67,8 @@ class Session {
   /// max_frames are drawn: a still picture.
   Result<FrameRow> settle(const Camera& camera, uint32_t max_frames = 2000);
 
-  /// Time of a frame that draws nothing: [lakhia2004]'s fixed overhead. Draws a few.
+  /// Time of a frame that draws the roots alone: [lakhia2004]'s fixed overhead and the shading of a picture. Draws a
+  /// few.
   Status measure_overhead(const Camera& camera);
 
   const Selection& selection() const;
