@@ -230,13 +230,16 @@ void Viewer::draw_panel(const FrameRow& row) {
               static_cast<unsigned long long>(counts.reads), static_cast<unsigned long long>(counts.nodes_loaded),
               static_cast<unsigned long long>(counts.nodes_evicted));
   const Pose& p = camera_.pose;
-  ImGui::Text("eye %.2f %.2f %.2f  yaw %.1f pitch %.1f roll %.1f", p.eye.x, p.eye.y, p.eye.z, p.yaw_deg, p.pitch_deg,
+  ImGui::Text("eye %.2f %.2f %.2f\nyaw %.1f  pitch %.1f  roll %.1f", p.eye.x, p.eye.y, p.eye.z, p.yaw_deg, p.pitch_deg,
               p.roll_deg);
   ImGui::Text("speed %.2f m/s%s", speed_m_per_s_, recording_ ? "  RECORDING" : "");
   draw_settings();
   if (!message_.empty()) ImGui::TextUnformatted(message_.c_str());
+  ImGui::PushTextWrapPos();
   ImGui::TextDisabled(
-      "drag: look  WASD, arrows, space, C: move  Q E: roll\nwheel: speed  F: straighten  P: picture  R: record");
+      "drag: look   WASD, arrows, space, C: move   Q E: roll   wheel: speed   F: straighten   P: picture   R: record   "
+      "H: hide this   Esc: quit");
+  ImGui::PopTextWrapPos();
   ImGui::End();
 }
 
