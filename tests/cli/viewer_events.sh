@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The window under real key and mouse events: moves, looks, takes a picture, records a path, quits. Needs a display of
 # its own (xvfb-run) and xdotool.
-# usage: xvfb-run -a tests/cli/viewer_events.sh PROGRAM
+# usage: xvfb-run -a tests/cli/viewer_events.sh PROGRAM [gl|cpu]
 set -euo pipefail
 program=$(realpath "$1")
 folder=$(mktemp -d)
@@ -20,7 +20,7 @@ hold() { xdotool keydown "$1"; sleep "$2"; xdotool keyup "$1"; sleep 0.3; }
 
 "$program" generate city --triangles 100000 -o city.glb 2>/dev/null
 "$program" build city.glb -o city.prom 2>/dev/null
-"$program" view city.prom --size 640x360 --camera 20,20,2,45,0 2>view.log &
+"$program" view city.prom --renderer "${2:-auto}" --size 640x360 --camera 20,20,2,45,0 2>view.log &
 viewer=$!
 wait_for 30 window xdotool search --name Promenade
 sleep 1
