@@ -20,16 +20,6 @@ glm::u8vec4 multiplied(const glm::u8vec4& a, const glm::u8vec4& b) {
   return out;
 }
 
-/// Whether every corner's normal is its triangle's.
-bool is_flat(const Mesh& mesh) {
-  constexpr float kSame = 0.99985F;  // cosine of a degree
-  for (size_t i = 0; i < mesh.indices.size(); ++i) {
-    const glm::vec3 cross = triangle_cross(mesh, i / 3);
-    if (glm::dot(cross, mesh.normals[mesh.indices[i]]) < kSame * glm::length(cross)) return false;
-  }
-  return true;
-}
-
 /// A copy of vertex v at the end.
 uint32_t duplicate_vertex(Mesh& mesh, uint32_t v) {
   const auto made = static_cast<uint32_t>(mesh.positions.size());
@@ -44,6 +34,48 @@ uint32_t duplicate_vertex(Mesh& mesh, uint32_t v) {
   return made;
 }
 
+/// Whether every corner's normal is the triangle's own, or 0.
+bool is_flat(const Mesh& mesh, size_t triangle) {
+  constexpr float kSame = 0.99996F;  // cosine of half a degree, which lights by less than a hundredth
+  const glm::vec3 cross = triangle_cross(mesh, triangle);
+  const float least = kSame * glm::length(cross);
+  for (size_t c = 0; c < 3; ++c) {
+    const glm::vec3& normal = mesh.normals[mesh.indices[3 * triangle + c]];
+    if (normal != glm::vec3(0) && glm::dot(cross, normal) < least) return false;
+  }
+  return true;
+}
+
+/// Normals of 0 for triangles that show their own; vertices that others share with them split.
+void forget_flat_normals(Mesh& mesh) {
+  if (mesh.normals.empty()) return;
+  std::vector<uint8_t> flat(mesh.triangle_count());
+  std::vector<uint8_t> is_smooth(mesh.vertex_count(), 0);
+  bool any_smooth = false;
+  for (size_t t = 0; t < flat.size(); ++t) {
+    flat[t] = is_flat(mesh, t) ? 1 : 0;
+    if (flat[t] != 0) continue;
+    any_smooth = true;
+    for (size_t c = 0; c < 3; ++c) is_smooth[mesh.indices[3 * t + c]] = 1;
+  }
+  if (!any_smooth) {
+    mesh.normals.clear();
+    return;
+  }
+  std::vector<uint32_t> flat_copy(mesh.vertex_count(), 0);  // 0: none yet, as no copy is the first vertex
+  for (size_t t = 0; t < flat.size(); ++t) {
+    if (flat[t] == 0) continue;
+    for (size_t c = 0; c < 3; ++c) {
+      uint32_t& v = mesh.indices[3 * t + c];
+      if (is_smooth[v] != 0) {
+        if (flat_copy[v] == 0) flat_copy[v] = duplicate_vertex(mesh, v);
+        v = flat_copy[v];
+      }
+      mesh.normals[v] = glm::vec3(0);
+    }
+  }
+}
+
 }  // namespace
 
 void drop_idle_attributes(Mesh& mesh, const std::function<bool(uint32_t)>& is_textured) {
@@ -53,7 +85,7 @@ void drop_idle_attributes(Mesh& mesh, const std::function<bool(uint32_t)>& is_te
   }
   if (std::all_of(mesh.colors.begin(), mesh.colors.end(), [](const glm::u8vec4& c) { return c == kWhite; }))
     mesh.colors.clear();
-  if (!mesh.normals.empty() && is_flat(mesh)) mesh.normals.clear();
+  forget_flat_normals(mesh);
 }
 
 void fold_colors(Mesh& mesh, const std::vector<Material>& materials,

@@ -11,7 +11,8 @@
 namespace promenade {
 
 /// Drops attributes that say nothing: texture coordinates where no triangle is textured, colours that are all white,
-/// normals that are everywhere the triangle's own (within a degree).
+/// normals that are everywhere the triangle's own (within half a degree). Triangles whose normals are their own get
+/// normals of 0, so that flat things need no vertex for each side.
 void drop_idle_attributes(Mesh& mesh, const std::function<bool(uint32_t material)>& is_textured);
 
 /// Moves untextured triangles' material colours into their vertices and gives them the material `plain_of` theirs, so
