@@ -17,7 +17,7 @@ namespace promenade {
 namespace {
 
 constexpr uint32_t kLocalTexture = 0x80000000U;  // a child's atlas rather than a shared texture
-constexpr double kStepShare = 1.0 / 8;           // of a node's error that its grid is wide: adds a tenth to the error
+constexpr double kStepShare = 1.0 / 4;           // of a node's error that its grid is wide: adds a fifth at most
 // How exactly a node's distance to its children is measured: what their own errors hide, or what is small beside the
 // node, need not be (a sixth of a build's time).
 constexpr double kToleranceOfError = 0.25, kToleranceOfSize = 1e-4, kSlack = 0.25;
