@@ -13,8 +13,8 @@ namespace promenade {
 namespace {
 
 constexpr int kTexcoordExponent = -15;  // rounding by half a step is 1/16 texel of a picture 4096 wide
-constexpr float kOctahedralScale = 512;
-constexpr glm::i16vec2 kNoNormal{1024, 1024};         // off the octahedron's square: 0, the triangle's own normal
+constexpr float kOctahedralScale = 256;
+constexpr glm::i16vec2 kNoNormal{512, 512};           // off the octahedron's square: 0, the triangle's own normal
 constexpr double kFarthestStep = 4503599627370496.0;  // 2^52: beyond, doubles do not count steps
 
 /// Steps of one coordinate along the grid through zero.
