@@ -89,6 +89,29 @@ uint32_t folded(uint32_t difference, bool wide) {
 }
 uint32_t unfolded(uint32_t code) { return (code >> 1U) ^ (0U - (code & 1U)); }
 
+/// How far back a vertex in the same place is looked for: what fits a byte.
+constexpr uint32_t kTwinReach = 255;
+
+/// For each vertex how many vertices back the last one in the same place is; 0: none within reach. Vertices share a
+/// place where colours or normals meet.
+std::vector<uint32_t> find_twins(const std::vector<glm::u32vec3>& positions) {
+  struct Hash {
+    size_t operator()(const glm::u32vec3& p) const {
+      return (uint64_t(p.x) * 0x9e3779b97f4a7c15ULL ^ uint64_t(p.y)) * 0xbf58476d1ce4e5b9ULL ^ p.z;
+    }
+  };
+  std::unordered_map<glm::u32vec3, uint32_t, Hash> last;
+  last.reserve(positions.size());
+  std::vector<uint32_t> twins(positions.size(), 0);
+  for (uint32_t v = 0; v < positions.size(); ++v) {
+    const auto [found, is_new] = last.try_emplace(positions[v], v);
+    if (is_new) continue;
+    if (v - found->second <= kTwinReach) twins[v] = v - found->second;
+    found->second = v;
+  }
+  return twins;
+}
+
 template <class Vec>
 bool needs_32_bits(const std::vector<Vec>& values) {
   return std::any_of(values.begin(), values.end(), [](const Vec& v) {
@@ -114,26 +137,37 @@ bool get_planes(ByteReader& reader, uint32_t bytes, std::vector<uint32_t>& numbe
   return true;
 }
 
+/// skipped: vertices that are not written (not 0), or empty.
 template <class Vec>
-void put_differences(const std::vector<Vec>& values, const std::vector<Guess>& guesses, bool wide, ByteWriter& writer) {
-  std::vector<uint32_t> codes(values.size());
+void put_differences(const std::vector<Vec>& values, const std::vector<Guess>& guesses,
+                     const std::vector<uint32_t>& skipped, bool wide, ByteWriter& writer) {
+  std::vector<uint32_t> codes;
   for (int i = 0; i < Vec::length(); ++i) {
+    codes.clear();
     for (size_t v = 0; v < values.size(); ++v)
-      codes[v] = folded(static_cast<uint32_t>(values[v][i]) - expected(values, guesses[v], i), wide);
+      if (skipped.empty() || skipped[v] == 0)
+        codes.push_back(folded(static_cast<uint32_t>(values[v][i]) - expected(values, guesses[v], i), wide));
     put_planes(codes, wide ? 4 : 2, writer);
   }
 }
 
+/// twins: as find_twins, or empty. Vertices that have one take its value.
 template <class Vec>
-bool get_differences(ByteReader& reader, const std::vector<Guess>& guesses, bool wide, std::vector<Vec>& values) {
+bool get_differences(ByteReader& reader, const std::vector<Guess>& guesses, const std::vector<uint32_t>& twins,
+                     bool wide, std::vector<Vec>& values) {
   using Value = typename Vec::value_type;
   values.resize(guesses.size());
-  std::vector<uint32_t> codes(guesses.size());
+  std::vector<uint32_t> codes(
+      guesses.size() -
+      static_cast<size_t>(std::count_if(twins.begin(), twins.end(), [](uint32_t back) { return back != 0; })));
   const uint32_t mask = wide ? 0xffffffffU : 0xffffU;
   for (int i = 0; i < Vec::length(); ++i) {
     if (!get_planes(reader, wide ? 4 : 2, codes)) return false;
-    for (size_t v = 0; v < codes.size(); ++v)
-      values[v][i] = static_cast<Value>((expected(values, guesses[v], i) + unfolded(codes[v])) & mask);
+    size_t at = 0;
+    for (size_t v = 0; v < values.size(); ++v)
+      values[v][i] = !twins.empty() && twins[v] != 0
+                         ? values[v - twins[v]][i]
+                         : static_cast<Value>((expected(values, guesses[v], i) + unfolded(codes[at++])) & mask);
   }
   return true;
 }
@@ -189,10 +223,12 @@ void put_vertices(const QuantizedMesh& mesh, ByteWriter& writer) {
   writer.put(uint8_t(wide_positions));
   writer.put(uint8_t(wide_texcoords));
   const std::vector<Guess> single = without_parallelograms(*guesses);
+  const std::vector<uint32_t> twins = find_twins(mesh.positions);
+  put_planes(twins, 1, writer);
   // Bits of floats do not continue linearly.
-  put_differences(mesh.positions, mesh.on_grid ? *guesses : single, wide_positions, writer);
-  put_differences(mesh.normals, *guesses, false, writer);
-  put_differences(mesh.texcoords, *guesses, wide_texcoords, writer);
+  put_differences(mesh.positions, mesh.on_grid ? *guesses : single, twins, wide_positions, writer);
+  put_differences(mesh.normals, *guesses, {}, false, writer);
+  put_differences(mesh.texcoords, *guesses, {}, wide_texcoords, writer);
   if (!mesh.colors.empty()) put_colors(mesh.colors, single, writer);
 }
 
@@ -203,9 +239,14 @@ Status get_vertices(ByteReader& reader, size_t vertices, bool normals, bool texc
   const bool wide_positions = reader.get<uint8_t>() != 0, wide_texcoords = reader.get<uint8_t>() != 0;
   const Error short_streams{fmt::format("mesh: streams of {} vertices reach beyond the end", vertices)};
   const std::vector<Guess> single = without_parallelograms(*guesses);
-  if (!get_differences(reader, mesh.on_grid ? *guesses : single, wide_positions, mesh.positions)) return short_streams;
-  if (normals && !get_differences(reader, *guesses, false, mesh.normals)) return short_streams;
-  if (texcoords && !get_differences(reader, *guesses, wide_texcoords, mesh.texcoords)) return short_streams;
+  std::vector<uint32_t> twins(vertices);
+  if (!get_planes(reader, 1, twins)) return short_streams;
+  for (size_t v = 0; v < vertices; ++v)
+    if (twins[v] > v) return Error{fmt::format("mesh: vertex {} lies where one {} before it does", v, twins[v])};
+  if (!get_differences(reader, mesh.on_grid ? *guesses : single, twins, wide_positions, mesh.positions))
+    return short_streams;
+  if (normals && !get_differences(reader, *guesses, {}, false, mesh.normals)) return short_streams;
+  if (texcoords && !get_differences(reader, *guesses, {}, wide_texcoords, mesh.texcoords)) return short_streams;
   if (colors) PROMENADE_TRY(get_colors(reader, single, mesh.colors));
   if (!reader.ok() || reader.remaining() != 0)
     return Error{fmt::format("mesh: {} bytes follow the vertices", reader.remaining())};
