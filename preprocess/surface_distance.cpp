@@ -26,7 +26,7 @@ constexpr float kWellInside = 1e-4F;       // barycentric: cuts nearer to a bord
 constexpr float kFloorShare = 1e-5F;       // of the diagonal: differences below it are not pursued
 constexpr float kQueryRounding = 2e-6F;    // see ClosestPointTree
 constexpr float kCoordinateRounding = 0x1p-23F;
-constexpr float kNearEnough = 0.25F;  // of what a triangle is settled by: measured, see bench_simplify
+constexpr float kNearEnough = 0.5F;  // of what a triangle is settled by: measured, see bench_simplify
 
 /// A convex polygon on a triangle of A.
 struct Piece {
