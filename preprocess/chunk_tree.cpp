@@ -10,8 +10,8 @@ namespace promenade {
 
 namespace {
 
-// Leaves are planned a little below their limit, so that the triangles that cutting adds find room.
-constexpr double kFill = 0.9;
+// Leaves are planned a little below their limit, because planes on the lattice share out a little unevenly.
+constexpr double kFill = 0.95;
 // Children of a node just above the leaves, to the wanted number.
 constexpr double kMostFactor = 1.5;
 // Steps of the cutting lattice to a leaf's side, taking the triangles for a surface: pieces small enough for tight
@@ -134,7 +134,8 @@ LeafShares::LeafShares(uint64_t triangles, uint32_t leaf_triangles, uint32_t lev
   double below = 1;  // leaves of a full subtree one level down
   while (below * factor <= double(leaves)) below *= factor;
   const double full = double(leaves) / below;  // 1 to level_factor
-  children = static_cast<uint32_t>(full < kMostFactor ? factor : std::ceil(full));
+  // Each child is left with 0.75 to 1.5 full subtrees, which is what nodes above leaves will have in leaves.
+  children = static_cast<uint32_t>(full < kMostFactor ? factor : std::max(2.0, std::floor(full)));
 }
 
 uint32_t LeafShares::leaves_of(uint32_t first, uint32_t last) const {
