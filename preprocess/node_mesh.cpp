@@ -1,9 +1,14 @@
 #include "preprocess/node_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <unordered_map>
+#include <unordered_set>
+
+#include "codec/quantized_mesh.h"
+#include "preprocess/weld.h"
 
 namespace promenade {
 
@@ -134,6 +139,38 @@ double texel_size_m(const Mesh& mesh, uint32_t material, uint32_t width, uint32_
     texels += std::abs(u.x * v.y - u.y * v.x) * width * height;
   }
   return area_m2 > 0 && texels > 0 ? std::sqrt(area_m2 / texels) : 0;
+}
+
+bool loses_surface_on_grid(const Mesh& mesh, float step_m) {
+  std::vector<glm::vec3> rounded;
+  rounded.reserve(mesh.vertex_count());
+  for (const glm::vec3& p : mesh.positions) rounded.push_back(snapped(p, step_m));
+  const Places places = find_places(rounded);
+  const auto corners = [&](size_t t) {
+    std::array<uint32_t, 3> v{};
+    for (size_t c = 0; c < 3; ++c) v[c] = places.of_vertex[mesh.indices[3 * t + c]];
+    std::sort(v.begin(), v.end());
+    return v;
+  };
+  std::vector<size_t> collapsed;
+  for (size_t t = 0; t < mesh.triangle_count(); ++t)
+    if (const auto v = corners(t); v[0] == v[1] || v[1] == v[2]) collapsed.push_back(t);
+  if (collapsed.empty()) return false;
+  std::vector<uint8_t> remains(places.count(), 0);
+  std::unordered_set<uint64_t> edges;
+  const auto edge = [](uint32_t a, uint32_t b) { return uint64_t(a) << 32U | b; };
+  for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const auto v = corners(t);
+    if (v[0] == v[1] || v[1] == v[2]) continue;
+    for (const uint32_t p : v) remains[p] = 1;
+    edges.insert({edge(v[0], v[1]), edge(v[1], v[2]), edge(v[0], v[2])});
+  }
+  return std::any_of(collapsed.begin(), collapsed.end(), [&](size_t t) {
+    const auto position = [&](size_t c) { return mesh.positions[mesh.indices[3 * t + c]]; };
+    if (position(0) == position(1) || position(1) == position(2) || position(2) == position(0)) return false;
+    const auto v = corners(t);
+    return v[0] == v[2] ? remains[v[0]] == 0 : !edges.contains(edge(v[0], v[2]));
+  });
 }
 
 std::vector<uint32_t> materials_of(const Mesh& mesh) {
