@@ -28,6 +28,7 @@ Command add_build(CLI::App& program);
 Command add_info(CLI::App& program);
 Command add_render(CLI::App& program);
 Command add_fly(CLI::App& program);
+Command add_study(CLI::App& program);
 Command add_view(CLI::App& program);
 Command add_verify(CLI::App& program);
 

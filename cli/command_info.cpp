@@ -5,7 +5,9 @@
 
 #include "cli/command.h"
 #include "cli/console.h"
+#include "cli/view_options.h"
 #include "layout/model_io.h"
+#include "runtime/front.h"
 
 namespace promenade {
 namespace {
@@ -91,18 +93,79 @@ void print_model(const std::filesystem::path& path, const Model& model) {
   for (const std::string& note : manifest.notes) fmt::print("  note: {}\n", note);
 }
 
+struct InfoArguments {
+  std::filesystem::path model;
+  std::filesystem::path front_from;  ///< a path whose eyes see the fronts; empty: none
+  uint32_t eyes = 20;
+  double pixel_error = 1;
+  ErrorKind error_kind = ErrorKind::bound;
+  ViewOptions view;
+};
+
+/// The fronts that a path's eyes ask for, evenly spread over its time.
+Status measure_fronts(const InfoArguments& arguments, const Model& model, Json& figures) {
+  const Result<CameraPath> path = read_path(arguments.front_from);
+  if (!path) return path.error();
+  FrontCount sum;
+  uint64_t largest = 0, largest_in_view = 0;
+  for (uint32_t i = 0; i < arguments.eyes; ++i) {
+    const double t_s = path->keys.front().t_s + path->duration_s() * (i + 0.5) / arguments.eyes;
+    const FrontCount at =
+        count_front(model, camera_of(arguments.view, pose_at(*path, t_s)), arguments.pixel_error, arguments.error_kind);
+    const auto add = [](FrontSize& to, const FrontSize& from) {
+      to.nodes += from.nodes, to.triangles += from.triangles;
+    };
+    add(sum.front, at.front), add(sum.front_in_view, at.front_in_view);
+    add(sum.leaves, at.leaves), add(sum.leaves_in_view, at.leaves_in_view);
+    largest = std::max(largest, at.front.triangles);
+    largest_in_view = std::max(largest_in_view, at.front_in_view.triangles);
+  }
+  const auto mean = [&](uint64_t total) { return double(total) / arguments.eyes; };
+  const auto share = [](const FrontSize& part, const FrontSize& whole) {
+    return whole.triangles > 0 ? double(part.triangles) / double(whole.triangles) : 0.0;
+  };
+  figures["front"] = {{"eyes", arguments.eyes},
+                      {"pixel_error", arguments.pixel_error},
+                      {"error_kind", arguments.error_kind == ErrorKind::bound ? "bound" : "p99"},
+                      {"triangles_mean", mean(sum.front.triangles)},
+                      {"triangles_max", largest},
+                      {"nodes_mean", mean(sum.front.nodes)},
+                      {"full_triangles_mean", mean(sum.leaves.triangles)},
+                      {"share_of_full", share(sum.front, sum.leaves)},
+                      {"in_view_triangles_mean", mean(sum.front_in_view.triangles)},
+                      {"in_view_triangles_max", largest_in_view},
+                      {"in_view_nodes_mean", mean(sum.front_in_view.nodes)},
+                      {"in_view_full_triangles_mean", mean(sum.leaves_in_view.triangles)},
+                      {"in_view_share_of_full", share(sum.front_in_view, sum.leaves_in_view)}};
+  const auto print = [&](const char* where, const FrontSize& front, const FrontSize& full) {
+    fmt::print("  front {}: {:.0f} triangles in {:.1f} nodes of {:.0f} triangles ({:.1f} %)\n", where,
+               mean(front.triangles), mean(front.nodes), mean(full.triangles), 100 * share(front, full));
+  };
+  print("in all directions", sum.front, sum.leaves), print("in view", sum.front_in_view, sum.leaves_in_view);
+  return Done{};
+}
+
 }  // namespace
 
 Command add_info(CLI::App& program) {
-  auto path = std::make_shared<std::filesystem::path>();
+  auto arguments = std::make_shared<InfoArguments>();
   CLI::App* app = program.add_subcommand("info", "What is inside a model: counts, sizes by part, settings, provenance");
-  app->add_option("MODEL", *path, "A directory that build made")->required();
-  return {app, {}, [path](JobMonitor&, Json& figures) -> Status {
-            const Result<ModelReader> reader = ModelReader::open(*path);
+  app->add_option("MODEL", arguments->model, "A directory that build made")->required();
+  CLI::Option_group* front = app->add_option_group("fronts", "How many triangles views ask for, beside full detail");
+  front->add_option("--front-from", arguments->front_from, "A camera path whose eyes see the fronts")
+      ->type_name("FILE");
+  front->add_option("--eyes", arguments->eyes, "How many eyes, evenly along the path")
+      ->check(CLI::Range(1U, 100000U))
+      ->capture_default_str();
+  add_error_options(*front, arguments->pixel_error, arguments->error_kind);
+  add_frame_options(*front, arguments->view);
+  return {app, {}, [arguments](JobMonitor&, Json& figures) -> Status {
+            const Result<ModelReader> reader = ModelReader::open(arguments->model);
             if (!reader) return reader.error();
-            print_model(*path, reader->model());
+            print_model(arguments->model, reader->model());
             figures = json_of_model(reader->model());
-            return Done{};
+            if (arguments->front_from.empty()) return Done{};
+            return measure_fronts(*arguments, reader->model(), figures);
           }};
 }
 

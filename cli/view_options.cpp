@@ -13,6 +13,12 @@ Result<Policy> parse_policy(const std::string& text) {
   return Error{fmt::format("\"{}\" is no policy: {}", text, policy_names())};
 }
 
+Result<ErrorKind> parse_error_kind(const std::string& text) {
+  if (text == "bound") return ErrorKind::bound;
+  if (text == "p99") return ErrorKind::p99;
+  return Error{fmt::format("\"{}\" is no kind of error: bound or p99", text)};
+}
+
 Result<OffscreenKind> parse_offscreen(const std::string& text) {
   if (const std::optional<OffscreenKind> kind = offscreen_kind_named(text)) return *kind;
   return Error{fmt::format("\"{}\" is no way to draw offscreen: automatic, osmesa or egl", text)};
@@ -27,15 +33,28 @@ Result<RendererKind> parse_renderer(const std::string& text) {
 
 }  // namespace
 
-void add_camera_options(CLI::App& app, ViewOptions& options) {
+void add_frame_options(CLI::App& app, ViewOptions& options) {
   add_parsed<PixelSize>(app, "--size", options.size, parse_size, "Picture size, pixels")->default_str("1280x720");
   app.add_option("--fov", options.vertical_fov_deg, "Vertical field of view, degrees")
       ->check(CLI::Range(1.0, 170.0))
       ->capture_default_str();
+}
+
+void add_camera_options(CLI::App& app, ViewOptions& options) {
+  add_frame_options(app, options);
   app.add_option("--near", options.near_m, "Nearest distance that is drawn, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_flag("--no-sky", options.no_sky, "Black where there is no surface");
+}
+
+void add_error_options(CLI::App& app, double& pixel_error, ErrorKind& kind) {
+  app.add_option("--pixel-error", pixel_error, "Projected error that is allowed, pixels")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  add_parsed<ErrorKind>(app, "--error-kind", kind, parse_error_kind,
+                        "Which error that is: bound (nothing is farther off) or p99 (99 % of the surface is nearer)")
+      ->default_str("bound");
 }
 
 void add_pose_option(CLI::App& app, std::optional<Pose>& pose, const std::string& help) {
@@ -70,9 +89,7 @@ void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_poli
   loader.memory_bytes = default_memory_bytes;
   add_parsed<Policy>(app, "--policy", select.policy, parse_policy, fmt::format("What to draw: {}", policy_names()))
       ->default_str(std::string(name_of(default_policy)));
-  app.add_option("--pixel-error", select.pixel_error, "Projected error that is allowed, pixels")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  add_error_options(app, select.pixel_error, select.error_kind);
   add_parsed<uint64_t>(app, "--memory", loader.memory_bytes, parse_bytes, "Bound on all resident model data")
       ->default_str(default_memory_bytes >= (uint64_t(1) << 30) ? fmt::format("{}GiB", default_memory_bytes >> 30)
                                                                 : fmt::format("{}MiB", default_memory_bytes >> 20));

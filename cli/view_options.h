@@ -26,8 +26,12 @@ struct ViewOptions {
   bool no_sky = false;
 };
 
+/// --size, --fov: the picture alone.
+void add_frame_options(CLI::App& app, ViewOptions& options);
 /// --size, --fov, --near, --no-sky: the camera and what it sees where nothing is.
 void add_camera_options(CLI::App& app, ViewOptions& options);
+/// --pixel-error, --error-kind: how fine a front is.
+void add_error_options(CLI::App& app, double& pixel_error, ErrorKind& kind);
 /// --camera x,y,z,yaw,pitch.
 void add_pose_option(CLI::App& app, std::optional<Pose>& pose, const std::string& help);
 /// --renderer.

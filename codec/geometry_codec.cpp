@@ -17,7 +17,7 @@ namespace promenade {
 namespace {
 
 constexpr uint32_t kMagic = 0x48534d50;  // "PMSH"
-constexpr uint8_t kVersion = 1;
+constexpr uint8_t kVersion = 2;
 constexpr size_t kHeaderBytes = 24;
 constexpr uint8_t kHasNormals = 1, kHasTexcoords = 2, kHasColors = 4, kHasMaterials = 8, kOnGrid = 16;
 constexpr uint8_t kAllFlags = 31;
@@ -278,6 +278,13 @@ Result<EncodedMesh> encode_mesh(const Mesh& mesh, const GeometryEncodeOptions& o
   }
   if (options.position_step_m) out.position_error_m = bound_m(rounding_error_m(mesh, *options.position_step_m));
   return out;
+}
+
+float position_step_m(std::span<const std::byte> bytes) {
+  ByteReader reader(bytes);
+  const Result<Header> header = get_header(reader, std::numeric_limits<uint64_t>::max());
+  if (!header || !header->has(kOnGrid) || header->codec == GeometryCodec::raw) return 0;
+  return std::ldexp(1.0F, header->position_exponent);
 }
 
 Result<Mesh> decode_mesh(std::span<const std::byte> bytes, uint64_t max_bytes) {

@@ -38,12 +38,15 @@ struct EncodedMesh {
 /// raw: floats as they are (positions rounded to the grid where asked); nothing moves.
 /// meshopt and draco: triangles are sorted by material, the order of triangles and vertices and which corner comes
 /// first change (never the winding); triangles that rounding collapses (two corners at one place), doubles of vertices
-/// and unused ones go. Normals to 0.06 degrees. Texture coordinates to half of 2^-15 (1/16 texel of a picture 4096
+/// and unused ones go. Normals to 0.48 degrees. Texture coordinates to half of 2^-15 (1/16 texel of a picture 4096
 /// wide); coarser only where they span more than 2^28 such steps (meshopt) or 2^21 (draco: more than 64 repeats).
 /// Colours and materials exactly.
 /// Errors: the mesh has a defect; a step that is no power of two or outside [2^-60, 2^60]; a mesh of more than 2^21
 /// steps across for meshopt and draco (refused, not silently coarser).
 Result<EncodedMesh> encode_mesh(const Mesh& mesh, const GeometryEncodeOptions& options);
+
+/// The grid that a mesh was coded on, in metres; 0: none, or no mesh. Looks at the header only. Pure; any thread.
+float position_step_m(std::span<const std::byte> bytes);
 
 /// Decodes what encode_mesh wrote. Safe on any bytes: a wrong or truncated input is an error, never a crash, and never
 /// allocates more than `max_bytes` (draco: a small multiple of it while decoding). A decoded mesh is sound (find_defect

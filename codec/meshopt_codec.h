@@ -1,5 +1,5 @@
 #pragma once
-// Connectivity and vertices by meshoptimizer's index and vertex codecs; meant to be compressed further.
+// Connectivity by meshoptimizer's index codec, vertices by vertex_streams.h; meant to be compressed further.
 
 #include <cstddef>
 #include <span>

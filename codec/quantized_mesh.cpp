@@ -13,7 +13,8 @@ namespace promenade {
 namespace {
 
 constexpr int kTexcoordExponent = -15;  // rounding by half a step is 1/16 texel of a picture 4096 wide
-constexpr float kOctahedralScale = 2048;
+constexpr float kOctahedralScale = 256;
+constexpr glm::i16vec2 kNoNormal{512, 512};           // off the octahedron's square: 0, the triangle's own normal
 constexpr double kFarthestStep = 4503599627370496.0;  // 2^52: beyond, doubles do not count steps
 
 /// Steps of one coordinate along the grid through zero.
@@ -181,7 +182,7 @@ glm::vec3 snapped(const glm::vec3& position, float step_m) {
 
 glm::i16vec2 octahedral_of_normal(const glm::vec3& normal) {
   const float sum = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
-  if (!(sum > 0)) return {0, 0};
+  if (!(sum > 0)) return kNoNormal;
   float x = normal.x / sum, y = normal.y / sum;
   if (normal.z < 0) {
     const float folded_x = (1 - std::abs(y)) * (x >= 0 ? 1.0F : -1.0F);
@@ -193,6 +194,7 @@ glm::i16vec2 octahedral_of_normal(const glm::vec3& normal) {
 }
 
 glm::vec3 normal_of_octahedral(const glm::i16vec2& code) {
+  if (code == kNoNormal) return glm::vec3(0);
   const float x = std::clamp(float(code.x) / kOctahedralScale, -1.0F, 1.0F);
   const float y = std::clamp(float(code.y) / kOctahedralScale, -1.0F, 1.0F);
   glm::vec3 n(x, y, 1 - std::abs(x) - std::abs(y));

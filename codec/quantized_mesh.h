@@ -53,8 +53,8 @@ void tidy(QuantizedMesh& mesh, const std::vector<uint32_t>& materials);
 /// A point rounded to the grid of that step, as a float. Coincident points stay so, whatever mesh they are in.
 glm::vec3 snapped(const glm::vec3& position, float step_m);
 
-/// Unit normals as points of an octahedron unfolded to a square of +-2048: at most 0.06 degrees off; axes and face
-/// diagonals exact. A normal of length 0 becomes +z.
+/// Unit normals as points of an octahedron unfolded to a square of +-256: at most 0.48 degrees off; axes and face
+/// diagonals exact. A normal of length 0 has a code of its own.
 glm::i16vec2 octahedral_of_normal(const glm::vec3& normal);
 glm::vec3 normal_of_octahedral(const glm::i16vec2& code);
 

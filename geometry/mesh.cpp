@@ -37,25 +37,6 @@ std::string find_non_finite(const std::vector<V>& values, const char* what) {
   return {};
 }
 
-/// Gives `mesh` the normals that it would be drawn with: vertices are split per corner, because flat faces share none.
-void make_flat_normals(Mesh& mesh) {
-  Mesh flat;
-  const size_t corners = mesh.indices.size();
-  flat.materials = mesh.materials;
-  flat.positions.reserve(corners), flat.normals.reserve(corners), flat.indices.reserve(corners);
-  for (size_t c = 0; c < corners; ++c) {
-    const uint32_t v = mesh.indices[c];
-    const glm::vec3 cross = triangle_cross(mesh, c / 3);
-    const float length = glm::length(cross);
-    flat.positions.push_back(mesh.positions[v]);
-    flat.normals.push_back(length > 0 ? cross / length : glm::vec3(0, 0, 1));
-    if (!mesh.texcoords.empty()) flat.texcoords.push_back(mesh.texcoords[v]);
-    if (!mesh.colors.empty()) flat.colors.push_back(mesh.colors[v]);
-    flat.indices.push_back(static_cast<uint32_t>(c));
-  }
-  mesh = std::move(flat);
-}
-
 template <class V>
 void append_attribute(std::vector<V>& a, size_t a_count, const std::vector<V>& b, size_t b_count, const V& fill) {
   if (a.empty() && b.empty()) return;
@@ -94,18 +75,11 @@ void append(Mesh& a, const Mesh& b) {
     a = b;
     return;
   }
-  if (a.normals.empty() && !b.normals.empty()) make_flat_normals(a);
-  if (!a.normals.empty() && b.normals.empty()) {
-    Mesh with_normals = b;
-    make_flat_normals(with_normals);
-    append(a, with_normals);
-    return;
-  }
   const size_t a_vertices = a.vertex_count();
   const size_t a_triangles = a.triangle_count();
   const auto base = static_cast<uint32_t>(a_vertices);
   a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
-  a.normals.insert(a.normals.end(), b.normals.begin(), b.normals.end());
+  append_attribute(a.normals, a_vertices, b.normals, b.vertex_count(), glm::vec3(0));
   append_attribute(a.texcoords, a_vertices, b.texcoords, b.vertex_count(), glm::vec2(0));
   append_attribute(a.colors, a_vertices, b.colors, b.vertex_count(), glm::u8vec4(255));
   append_attribute(a.materials, a_triangles, b.materials, b.triangle_count(), 0U);
@@ -126,7 +100,7 @@ Mesh transformed(const Mesh& mesh, const glm::dmat4& to_from_mesh) {
     for (glm::vec3& n : out.normals) {
       const glm::dvec3 turned = sign * (cofactor * glm::dvec3(n));
       const double length = glm::length(turned);
-      n = length > 0 ? glm::vec3(turned / length) : glm::vec3(0, 0, 1);
+      n = length > 0 ? glm::vec3(turned / length) : glm::vec3(0);
     }
   }
   if (determinant < 0)

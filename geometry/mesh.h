@@ -17,7 +17,7 @@ namespace promenade {
 /// Positions in metres in the mesh's own frame, z up; front faces are counter-clockwise.
 struct Mesh {
   std::vector<glm::vec3> positions;  ///< V
-  std::vector<glm::vec3> normals;    ///< V unit vectors, or empty: the triangle's own normal
+  std::vector<glm::vec3> normals;    ///< V unit vectors (0: the triangle's own normal), or empty: 0 throughout
   std::vector<glm::vec2> texcoords;  ///< V, or empty: no triangle is textured. (0, 0) is the picture's top left
   std::vector<glm::u8vec4> colors;   ///< V, sRGB and linear opacity, or empty: white. Multiplies the material's colour
   std::vector<uint32_t> indices;     ///< 3 T, each < V
@@ -38,8 +38,7 @@ uint64_t byte_size(const Mesh& mesh);
 /// An empty string: sound.
 std::string find_defect(const Mesh& mesh);
 
-/// Appends b to a. Attributes that one of them lacks are filled (normals: the triangle's own, per corner; white; (0,
-/// 0)).
+/// Appends b to a. Attributes that one of them lacks are filled (normals: 0; white; (0, 0)).
 void append(Mesh& a, const Mesh& b);
 
 /// The mesh in another frame. A mirroring transform (negative determinant) flips the winding, so that fronts stay

@@ -50,6 +50,13 @@ struct NodeRecord {
   bool operator==(const NodeRecord&) const = default;
 };
 
+/// Which of a node's two errors a front is chosen by: the bound, or the 99th percentile, which most of the surface
+/// keeps. What is hidden is always decided by the bound.
+enum class ErrorKind : uint8_t { bound, p99 };
+inline float error_m(const NodeRecord& node, ErrorKind kind) {
+  return kind == ErrorKind::bound ? node.error_m : node.error_p99_m;
+}
+
 /// A texture: a picture in a segment of its own, shared by the nodes that name it.
 struct TextureRecord {
   uint32_t width = 0;

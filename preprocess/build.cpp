@@ -18,7 +18,7 @@ namespace promenade {
 
 namespace {
 
-constexpr uint32_t kUnitsVersion = 1;  // of the work units' content: a change makes builds begin anew
+constexpr uint32_t kUnitsVersion = 2;  // of the work units' content: a change makes builds begin anew
 
 /// Measures the stages of a build.
 class StageClock {
@@ -68,10 +68,11 @@ uint64_t hash_of(const BuildOptions& o, const MemoryBudget& budget, const Survey
   return checksum(writer.bytes());
 }
 
-/// The grid of all leaves: far below their own detail, at most a millimetre, no finer than single precision.
+/// The grid of all leaves: far below their own detail, at most two millimetres (rounding by half of that shows as a
+/// pixel from nearer than a metre), no finer than single precision.
 float leaf_step_m(const Survey& survey, uint32_t node_triangles) {
   constexpr double kStepsAcross = 65536;  // of a leaf of average size
-  constexpr double kCoarsestM = 1.0 / 1024;
+  constexpr double kCoarsestM = 1.0 / 512;
   const double leaves = std::max(1.0, double(survey.triangles) / node_triangles);
   const double leaf_m = survey.world_box.diagonal() / std::sqrt(leaves);
   const glm::dvec3 far =

@@ -10,10 +10,17 @@ namespace promenade {
 
 namespace {
 
-// Leaves are planned a little below their limit, so that the triangles that cutting adds find room.
-constexpr double kFill = 0.9;
-// A plane that would cut more than this share of the triangles cuts none: stacked sheets would multiply without end.
-constexpr double kMostCut = 0.25;
+// Leaves are planned a little below their limit, because planes on the lattice share out a little unevenly.
+constexpr double kFill = 0.95;
+// Children of a node just above the leaves, to the wanted number.
+constexpr double kMostFactor = 1.5;
+// Steps of the cutting lattice to a leaf's side, taking the triangles for a surface: pieces small enough for tight
+// boxes.
+constexpr double kStepsOfLeaf = 4;
+// Cutting may add this share of triangles; coarser lattices are taken until it does not.
+constexpr double kMostAdded = 0.1;
+// How far a plane may move to lie on the lattice, as a share of the triangles on it.
+constexpr double kMostMoved = 0.03;
 
 class Divider {
  public:
@@ -83,13 +90,20 @@ class Divider {
     const double value = (samples[rank - 1].centroid[axis] + samples[rank].centroid[axis]) / 2;
     plane.axis = axis;
     plane.value = static_cast<float>(value - options_.origin[axis]);
-    const auto triangles = static_cast<uint64_t>(double(samples.size()) * triangles_per_sample_);
-    plane.min_edge_m = shortest_cut_m(box.diagonal(), triangles, options_.node_triangles);
-    size_t cut = 0;
-    for (const TriangleSample& s : samples)
-      if (s.edge_m > plane.min_edge_m && std::abs(s.centroid[axis] - value) < double(s.edge_m) / 2) ++cut;
-    if (double(cut) > kMostCut * double(samples.size())) plane.min_edge_m = std::numeric_limits<float>::max();
+    snap(samples, axis, rank, plane);
     return plane;
+  }
+
+  /// Moves the plane onto the lattice where that changes its rank by little.
+  void snap(std::span<const TriangleSample> samples, int axis, size_t& rank, ChunkTree::Plane& plane) const {
+    const float value = on_lattice(plane.value, tree.cut_step_m);
+    const double world = double(value) + options_.origin[axis];
+    const auto above = std::lower_bound(samples.begin(), samples.end(), world,
+                                        [axis](const TriangleSample& s, double v) { return s.centroid[axis] < v; });
+    const auto snapped = static_cast<size_t>(above - samples.begin());
+    const size_t moved = std::max(snapped, rank) - std::min(snapped, rank);
+    if (snapped == 0 || snapped == samples.size() || double(moved) > kMostMoved * double(samples.size())) return;
+    rank = snapped, plane.value = value;
   }
 
   /// The rank nearest to the wanted one at which the coordinate changes: a plane can only pass there.
@@ -109,10 +123,19 @@ class Divider {
 
 }  // namespace
 
-LeafShares::LeafShares(uint64_t triangles, uint32_t leaf_triangles, uint32_t level_factor) {
+LeafShares::LeafShares(uint64_t triangles, uint32_t leaf_triangles, uint32_t level_factor, uint32_t planned) {
   if (triangles <= leaf_triangles) return;
-  leaves = static_cast<uint32_t>(std::max(2.0, std::ceil(double(triangles) / (kFill * leaf_triangles))));
-  children = std::min(leaves, level_factor);
+  const bool plan_holds = planned > 1 && triangles <= uint64_t(planned) * leaf_triangles;
+  leaves = plan_holds ? planned
+                      : static_cast<uint32_t>(std::max(2.0, std::ceil(double(triangles) / (kFill * leaf_triangles))));
+  const double factor = level_factor;
+  children = leaves;
+  if (double(leaves) <= kMostFactor * factor) return;
+  double below = 1;  // leaves of a full subtree one level down
+  while (below * factor <= double(leaves)) below *= factor;
+  const double full = double(leaves) / below;  // 1 to level_factor
+  // Each child is left with 0.75 to 1.5 full subtrees, which is what nodes above leaves will have in leaves.
+  children = static_cast<uint32_t>(full < kMostFactor ? factor : std::max(2.0, std::floor(full)));
 }
 
 uint32_t LeafShares::leaves_of(uint32_t first, uint32_t last) const {
@@ -125,17 +148,38 @@ Box unbounded_cell() {
   return {glm::vec3(std::numeric_limits<float>::lowest()), glm::vec3(std::numeric_limits<float>::max())};
 }
 
+namespace {
+
+/// About an eighth of a leaf, or as coarse as it takes to add few triangles: stacked sheets would multiply without end.
+float cut_step_m(const std::vector<TriangleSample>& samples, const ChunkTreeOptions& options) {
+  DBox box;
+  for (const TriangleSample& s : samples) box.add(s.centroid);
+  const double leaves = std::max(1.0, double(options.triangles) / options.node_triangles);
+  const double leaf_m =
+      box.size().x > 0 || box.size().y > 0 || box.size().z > 0 ? box.diagonal() / std::sqrt(leaves) : 0.0;
+  if (!(leaf_m > 0) || !std::isfinite(leaf_m) || leaves < 2) return 0;
+  double step = std::exp2(std::ceil(std::log2(leaf_m / kStepsOfLeaf)));
+  const auto added = [&] {
+    double sum = 0;
+    for (const TriangleSample& s : samples)
+      if (double(s.edge_m) > step) sum += 2 * double(s.edge_m) / step + 2 * double(s.area_m2) / (step * step);
+    return sum / double(samples.size());
+  };
+  while (added() > kMostAdded) step *= 2;
+  return static_cast<float>(step);
+}
+
+}  // namespace
+
 ChunkTree divide_into_chunks(std::vector<TriangleSample>& samples, const ChunkTreeOptions& options) {
   Divider divider(options, double(options.triangles) / double(samples.size()));
+  divider.tree.cut_step_m = cut_step_m(samples, options);
   const auto [root, plane] = divider.divide(samples, unbounded_cell());
   divider.tree.root = root;
   divider.tree.first_plane = plane;
   return std::move(divider.tree);
 }
 
-float shortest_cut_m(double extent_m, uint64_t triangles, uint32_t node_triangles) {
-  const double leaves = std::max(1.0, double(triangles) / node_triangles);
-  return static_cast<float>(0.5 * extent_m / std::sqrt(leaves));
-}
+float on_lattice(float value, float step_m) { return step_m > 0 ? std::round(value / step_m) * step_m : value; }
 
 }  // namespace promenade

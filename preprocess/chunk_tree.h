@@ -13,14 +13,19 @@ namespace promenade {
 struct TriangleSample {
   glm::dvec3 centroid{0};  ///< metres, in the world
   float edge_m = 0;        ///< longest edge
-  uint64_t priority = 0;   ///< the smaller stay
+  float area_m2 = 0;
+  uint64_t priority = 0;  ///< the smaller stay
 };
 
 /// How `leaves` leaves are shared out to the children of one node: no child gets more than one leaf more than another.
+/// Nodes just above the leaves have about level_factor children (two thirds to one and a half of it), those nearer to
+/// the root may have fewer: so the inner nodes, all of one size, are few.
 struct LeafShares {
   uint32_t leaves = 1;
   uint32_t children = 1;
-  LeafShares(uint64_t triangles, uint32_t leaf_triangles, uint32_t level_factor);
+  /// planned: leaves that the triangles were meant for when they were divided; kept while the leaves' limit holds, as
+  /// cutting adds triangles to each. 0: none were.
+  LeafShares(uint64_t triangles, uint32_t leaf_triangles, uint32_t level_factor, uint32_t planned = 0);
   uint32_t leaves_of(uint32_t child) const { return leaves / children + (child < leaves % children ? 1U : 0U); }
   /// Leaves of the children [first, last).
   uint32_t leaves_of(uint32_t first, uint32_t last) const;
@@ -35,7 +40,6 @@ struct ChunkTree {
   struct Plane {
     int32_t axis = 0;  ///< 0, 1, 2 or kByTurns
     float value = 0;   ///< model space
-    float min_edge_m = 0;
     uint32_t below = 0, above = 0;
   };
   /// A node above the chunks.
@@ -48,6 +52,7 @@ struct ChunkTree {
   std::vector<Branch> branches;
   uint32_t root = kChunk;
   std::vector<Box> chunk_cells;
+  float cut_step_m = 0;  ///< of the lattice that large triangles are cut along; planes lie on it where they can
   uint32_t chunks() const { return static_cast<uint32_t>(chunk_cells.size()); }
 };
 
@@ -65,8 +70,7 @@ struct ChunkTreeOptions {
 /// samples: any order (they are reordered); at least one. Deterministic. One thread.
 ChunkTree divide_into_chunks(std::vector<TriangleSample>& samples, const ChunkTreeOptions& options);
 
-/// Edges longer than this are cut by a plane that divides `triangles` triangles spread over `extent_m`: half the size
-/// that their leaves will have, taking the triangles for a surface.
-float shortest_cut_m(double extent_m, uint64_t triangles, uint32_t node_triangles);
+/// A multiple of the lattice's step near a value; the value itself without a lattice.
+float on_lattice(float value, float step_m);
 
 }  // namespace promenade

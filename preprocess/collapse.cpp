@@ -212,33 +212,74 @@ const std::vector<uint32_t>& Collapser::ring_of(uint32_t place) {
 
 void Collapser::add_candidate(uint32_t triangle, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const size_t lane = candidates_.size() % kLanes;
-  if (lane == 0) frames_.emplace_back();
-  Frames& f = frames_.back();
+  if (lane == 0) corners_.emplace_back();
   candidates_.push_back(triangle);
-  const glm::vec3 base = b - a, apex = c - a;
-  const float base2 = glm::dot(base, base), length = std::sqrt(base2);
-  const glm::vec3 x = length > 0 ? base / length : glm::vec3(1, 0, 0);
-  const float apex_x = glm::dot(apex, x);
-  const glm::vec3 across = apex - apex_x * x;
-  const float apex_y = glm::length(across);
-  const bool flat = apex_y <= 1e-6F * length;  // the subtraction leaves noise
-  const glm::vec3 any = std::abs(x.x) < 0.6F ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::vec3 y = flat ? glm::normalize(glm::cross(x, any)) : across / apex_y;
-  const glm::vec3 z = glm::cross(x, y);
-  const float left2 = glm::dot(apex, apex), right2 = glm::dot(c - b, c - b);
-  for (size_t i = lane; i < kLanes; ++i) {  // spare lanes repeat the last triangle
-    f.origin_x[i] = a.x, f.origin_y[i] = a.y, f.origin_z[i] = a.z;
-    f.x_x[i] = x.x, f.x_y[i] = x.y, f.x_z[i] = x.z;
-    f.y_x[i] = y.x, f.y_y[i] = y.y, f.y_z[i] = y.z;
-    f.z_x[i] = z.x, f.z_y[i] = z.y, f.z_z[i] = z.z;
-    f.base[i] = length, f.apex_x[i] = apex_x, f.apex_y[i] = flat ? 0 : apex_y;
-    f.inverse_left2[i] = left2 > 0 ? 1 / left2 : 0;
-    f.inverse_right2[i] = right2 > 0 ? 1 / right2 : 0;
+  Corners& corners = corners_.back();
+  for (int axis = 0; axis < 3; ++axis)
+    corners.at[0][axis][lane] = a[axis], corners.at[1][axis][lane] = b[axis], corners.at[2][axis][lane] = c[axis];
+}
+
+namespace {
+
+struct Vectors {
+  Lanes x, y, z;
+};
+Vectors operator-(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Vectors operator*(const Vectors& a, Lanes s) { return {a.x * s, a.y * s, a.z * s}; }
+Lanes dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vectors cross(const Vectors& a, const Vectors& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Lanes selected(Lanes mask, Lanes yes, Lanes no) { return _mm_blendv_ps(no, yes, mask); }
+Vectors selected(Lanes mask, const Vectors& yes, const Vectors& no) {
+  return {selected(mask, yes.x, no.x), selected(mask, yes.y, no.y), selected(mask, yes.z, no.z)};
+}
+/// 1 / value, 0 for 0.
+Lanes inverse(Lanes value) { return _mm_and_ps(_mm_cmpgt_ps(value, _mm_setzero_ps()), _mm_set1_ps(1) / value); }
+void store(const Vectors& v, float* x, float* y, float* z) {
+  _mm_store_ps(x, v.x), _mm_store_ps(y, v.y), _mm_store_ps(z, v.z);
+}
+
+}  // namespace
+
+void Collapser::make_frames() {
+  frames_.resize(corners_.size());
+  for (size_t lane = candidates_.size() % kLanes; lane % kLanes != 0; ++lane)  // spare lanes repeat the last triangle
+    for (auto& corner : corners_.back().at)
+      for (auto& axis : corner) axis[lane] = axis[lane - 1];
+  const Lanes zero = _mm_setzero_ps(), one = _mm_set1_ps(1);
+  for (size_t g = 0; g < corners_.size(); ++g) {
+    const auto corner = [&](size_t i) {
+      const auto& at = corners_[g].at[i];
+      return Vectors{_mm_load_ps(at[0]), _mm_load_ps(at[1]), _mm_load_ps(at[2])};
+    };
+    const Vectors a = corner(0), b = corner(1), c = corner(2);
+    const Vectors base = b - a, apex = c - a, right = c - b;
+    const Lanes length = _mm_sqrt_ps(dot(base, base));
+    const Vectors x = selected(_mm_cmpgt_ps(length, zero), base * inverse(length), {one, zero, zero});
+    const Lanes apex_x = dot(apex, x);
+    const Vectors across = apex - x * apex_x;
+    const Lanes apex_y = _mm_sqrt_ps(dot(across, across));
+    const Lanes flat = _mm_cmple_ps(apex_y, _mm_set1_ps(1e-6F) * length);  // the subtraction leaves noise
+    // Perpendicular to x and to the axis that is less along it, of two.
+    const Lanes steep = _mm_cmplt_ps(_mm_andnot_ps(_mm_set1_ps(-0.0F), x.x), _mm_set1_ps(0.6F));
+    const Vectors any = selected(steep, Vectors{zero, x.z, zero - x.y}, Vectors{zero - x.z, zero, x.x});
+    const Vectors y = selected(flat, any * inverse(_mm_sqrt_ps(dot(any, any))), across * inverse(apex_y));
+    Frames& f = frames_[g];
+    store(a, f.origin_x, f.origin_y, f.origin_z);
+    store(x, f.x_x, f.x_y, f.x_z);
+    store(y, f.y_x, f.y_y, f.y_z);
+    store(cross(x, y), f.z_x, f.z_y, f.z_z);
+    _mm_store_ps(f.base, length);
+    _mm_store_ps(f.apex_x, apex_x);
+    _mm_store_ps(f.apex_y, _mm_andnot_ps(flat, apex_y));
+    _mm_store_ps(f.inverse_left2, inverse(dot(apex, apex)));
+    _mm_store_ps(f.inverse_right2, inverse(dot(right, right)));
   }
 }
 
 void Collapser::gather_candidates(uint32_t place, uint32_t target) {
-  frames_.clear();
+  corners_.clear();
   candidates_.clear();
   for (const uint32_t middle : {place, target})
     for (uint32_t c = work_.first_corner[middle]; c != kNone; c = work_.next_corner[c]) {
@@ -248,6 +289,7 @@ void Collapser::gather_candidates(uint32_t place, uint32_t target) {
       if (next == other || previous == other) continue;  // goes
       add_candidate(triangle_of(c), work_.positions[target], work_.positions[next], work_.positions[previous]);
     }
+  make_frames();
 }
 
 Collapser::Moved Collapser::nearest_candidate(uint32_t point, float& distance2) const {
@@ -297,13 +339,14 @@ void Collapser::attach(uint32_t point, uint32_t triangle) {
 }
 
 void Collapser::add_point(const glm::vec3& point, uint32_t place) {
-  frames_.clear();
+  corners_.clear();
   candidates_.clear();
   for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c])
     if (work_.alive[triangle_of(c)] != 0)
       add_candidate(triangle_of(c), work_.positions[place], work_.positions[work_.place[next_corner_in(c)]],
                     work_.positions[work_.place[previous_corner_in(c)]]);
   if (candidates_.empty()) return;
+  make_frames();
   points_.push_back(point);
   next_point_.push_back(kNone);
   float distance2 = 0;

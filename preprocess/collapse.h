@@ -63,6 +63,10 @@ class Collapser {
     float z_x[kLanes], z_y[kLanes], z_z[kLanes];
     float base[kLanes], apex_x[kLanes], apex_y[kLanes], inverse_left2[kLanes], inverse_right2[kLanes];
   };
+  /// The corners of four triangles: by corner, axis, triangle.
+  struct alignas(16) Corners {
+    float at[3][3][kLanes];
+  };
   /// A line that the place had better not leave.
   struct Line {
     glm::vec3 direction;
@@ -92,6 +96,7 @@ class Collapser {
   /// Largest distance of the points around `place` to what the collapse would leave; stops over the limit.
   float measure(uint32_t place, uint32_t target, float limit_m, std::vector<Moved>& moved);
   void gather_candidates(uint32_t place, uint32_t target);
+  void make_frames();
   void add_candidate(uint32_t triangle, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
   Moved nearest_candidate(uint32_t point, float& distance2) const;
   void attach(uint32_t point, uint32_t triangle);
@@ -117,7 +122,8 @@ class Collapser {
   struct alignas(16) Estimates : std::array<float, kLanes> {};
   std::vector<Estimates> estimates_;  // for ring_, four by four
   std::vector<Choice> choices_;
-  std::vector<Frames> frames_;
+  std::vector<Corners> corners_;
+  std::vector<Frames> frames_;  // of the same triangles
   std::vector<uint32_t> candidates_;
   std::vector<Moved> moved_, best_moved_;
   std::vector<std::array<uint32_t, 2>> leads_;  // attributes of the place, those of the target

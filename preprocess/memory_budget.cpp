@@ -36,7 +36,8 @@ Result<MemoryBudget> plan_memory(const MemoryWishes& wishes) {
   MemoryBudget budget;
   budget.memory_bytes = wishes.memory_bytes;
   const uint64_t free = wishes.memory_bytes - kProgram;
-  const uint64_t node = uint64_t(wishes.node_triangles) * wishes.level_factor * kNodeTriangle;
+  // Half as many children again as the level factor says: see LeafShares.
+  const uint64_t node = uint64_t(wishes.node_triangles) * wishes.level_factor * kNodeTriangle * 3 / 2;
   if (node > free / 4)
     return needs(
         fmt::format("a level factor of {} with nodes of {} triangles", wishes.level_factor, wishes.node_triangles),

@@ -17,13 +17,14 @@ namespace promenade {
 namespace {
 
 constexpr uint32_t kLocalTexture = 0x80000000U;  // a child's atlas rather than a shared texture
-constexpr double kStepShare = 1.0 / 8;           // of a node's error that its grid is wide: adds a tenth to the error
+constexpr double kStepShare = 1.0 / 4;           // of a node's error that its grid is wide: adds a fifth at most
 // How exactly a node's distance to its children is measured: what their own errors hide, or what is small beside the
 // node, need not be (a sixth of a build's time).
 constexpr double kToleranceOfError = 0.25, kToleranceOfSize = 1e-4, kSlack = 0.25;
 // A point lies at most half a texel's diagonal from the texel's centre.
 constexpr double kTexelReach = 0.7072;
-constexpr int kMostSteps = 64;  // doublings of the grid until a mesh fits: more than any float needs
+constexpr int kMostHalvings = 12;  // of the grid, while it would take thin things away
+constexpr int kMostSteps = 64;     // doublings of the grid until a mesh fits: more than any float needs
 
 double power_of_two_below(double value) { return std::exp2(std::floor(std::log2(value))); }
 
@@ -240,11 +241,15 @@ Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
 }
 
 Status NodeBuilder::encode(const Mesh& mesh, double step_m, StoredNode& stored, float& error_m) const {
+  if (options_.codec != GeometryCodec::raw)
+    for (int i = 0; i < kMostHalvings && loses_surface_on_grid(mesh, static_cast<float>(step_m)); ++i) step_m /= 2;
   std::string why;
   for (int i = 0; i < kMostSteps; ++i, step_m *= 2) {
     stored.step_m = static_cast<float>(step_m);
     Result<EncodedMesh> encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
-    if (encoded.ok() && encoded->triangles == 0) {  // smaller than any grid, and yet a node needs a box
+    // Smaller or thinner than any grid, and yet a node needs a box and its bound holds.
+    if (encoded.ok() && options_.codec != GeometryCodec::raw &&
+        (encoded->triangles == 0 || loses_surface_on_grid(mesh, stored.step_m))) {
       stored.step_m = 0;
       encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
     }

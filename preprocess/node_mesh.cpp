@@ -1,9 +1,14 @@
 #include "preprocess/node_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <unordered_map>
+#include <unordered_set>
+
+#include "codec/quantized_mesh.h"
+#include "preprocess/weld.h"
 
 namespace promenade {
 
@@ -20,16 +25,6 @@ glm::u8vec4 multiplied(const glm::u8vec4& a, const glm::u8vec4& b) {
   return out;
 }
 
-/// Whether every corner's normal is its triangle's.
-bool is_flat(const Mesh& mesh) {
-  constexpr float kSame = 0.99985F;  // cosine of a degree
-  for (size_t i = 0; i < mesh.indices.size(); ++i) {
-    const glm::vec3 cross = triangle_cross(mesh, i / 3);
-    if (glm::dot(cross, mesh.normals[mesh.indices[i]]) < kSame * glm::length(cross)) return false;
-  }
-  return true;
-}
-
 /// A copy of vertex v at the end.
 uint32_t duplicate_vertex(Mesh& mesh, uint32_t v) {
   const auto made = static_cast<uint32_t>(mesh.positions.size());
@@ -44,6 +39,48 @@ uint32_t duplicate_vertex(Mesh& mesh, uint32_t v) {
   return made;
 }
 
+/// Whether every corner's normal is the triangle's own, or 0.
+bool is_flat(const Mesh& mesh, size_t triangle) {
+  constexpr float kSame = 0.99996F;  // cosine of half a degree, which lights by less than a hundredth
+  const glm::vec3 cross = triangle_cross(mesh, triangle);
+  const float least = kSame * glm::length(cross);
+  for (size_t c = 0; c < 3; ++c) {
+    const glm::vec3& normal = mesh.normals[mesh.indices[3 * triangle + c]];
+    if (normal != glm::vec3(0) && glm::dot(cross, normal) < least) return false;
+  }
+  return true;
+}
+
+/// Normals of 0 for triangles that show their own; vertices that others share with them split.
+void forget_flat_normals(Mesh& mesh) {
+  if (mesh.normals.empty()) return;
+  std::vector<uint8_t> flat(mesh.triangle_count());
+  std::vector<uint8_t> is_smooth(mesh.vertex_count(), 0);
+  bool any_smooth = false;
+  for (size_t t = 0; t < flat.size(); ++t) {
+    flat[t] = is_flat(mesh, t) ? 1 : 0;
+    if (flat[t] != 0) continue;
+    any_smooth = true;
+    for (size_t c = 0; c < 3; ++c) is_smooth[mesh.indices[3 * t + c]] = 1;
+  }
+  if (!any_smooth) {
+    mesh.normals.clear();
+    return;
+  }
+  std::vector<uint32_t> flat_copy(mesh.vertex_count(), 0);  // 0: none yet, as no copy is the first vertex
+  for (size_t t = 0; t < flat.size(); ++t) {
+    if (flat[t] == 0) continue;
+    for (size_t c = 0; c < 3; ++c) {
+      uint32_t& v = mesh.indices[3 * t + c];
+      if (is_smooth[v] != 0) {
+        if (flat_copy[v] == 0) flat_copy[v] = duplicate_vertex(mesh, v);
+        v = flat_copy[v];
+      }
+      mesh.normals[v] = glm::vec3(0);
+    }
+  }
+}
+
 }  // namespace
 
 void drop_idle_attributes(Mesh& mesh, const std::function<bool(uint32_t)>& is_textured) {
@@ -53,7 +90,7 @@ void drop_idle_attributes(Mesh& mesh, const std::function<bool(uint32_t)>& is_te
   }
   if (std::all_of(mesh.colors.begin(), mesh.colors.end(), [](const glm::u8vec4& c) { return c == kWhite; }))
     mesh.colors.clear();
-  if (!mesh.normals.empty() && is_flat(mesh)) mesh.normals.clear();
+  forget_flat_normals(mesh);
 }
 
 void fold_colors(Mesh& mesh, const std::vector<Material>& materials,
@@ -102,6 +139,38 @@ double texel_size_m(const Mesh& mesh, uint32_t material, uint32_t width, uint32_
     texels += std::abs(u.x * v.y - u.y * v.x) * width * height;
   }
   return area_m2 > 0 && texels > 0 ? std::sqrt(area_m2 / texels) : 0;
+}
+
+bool loses_surface_on_grid(const Mesh& mesh, float step_m) {
+  std::vector<glm::vec3> rounded;
+  rounded.reserve(mesh.vertex_count());
+  for (const glm::vec3& p : mesh.positions) rounded.push_back(snapped(p, step_m));
+  const Places places = find_places(rounded);
+  const auto corners = [&](size_t t) {
+    std::array<uint32_t, 3> v{};
+    for (size_t c = 0; c < 3; ++c) v[c] = places.of_vertex[mesh.indices[3 * t + c]];
+    std::sort(v.begin(), v.end());
+    return v;
+  };
+  std::vector<size_t> collapsed;
+  for (size_t t = 0; t < mesh.triangle_count(); ++t)
+    if (const auto v = corners(t); v[0] == v[1] || v[1] == v[2]) collapsed.push_back(t);
+  if (collapsed.empty()) return false;
+  std::vector<uint8_t> remains(places.count(), 0);
+  std::unordered_set<uint64_t> edges;
+  const auto edge = [](uint32_t a, uint32_t b) { return uint64_t(a) << 32U | b; };
+  for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const auto v = corners(t);
+    if (v[0] == v[1] || v[1] == v[2]) continue;
+    for (const uint32_t p : v) remains[p] = 1;
+    edges.insert({edge(v[0], v[1]), edge(v[1], v[2]), edge(v[0], v[2])});
+  }
+  return std::any_of(collapsed.begin(), collapsed.end(), [&](size_t t) {
+    const auto position = [&](size_t c) { return mesh.positions[mesh.indices[3 * t + c]]; };
+    if (position(0) == position(1) || position(1) == position(2) || position(2) == position(0)) return false;
+    const auto v = corners(t);
+    return v[0] == v[2] ? remains[v[0]] == 0 : !edges.contains(edge(v[0], v[2]));
+  });
 }
 
 std::vector<uint32_t> materials_of(const Mesh& mesh) {

@@ -11,7 +11,8 @@
 namespace promenade {
 
 /// Drops attributes that say nothing: texture coordinates where no triangle is textured, colours that are all white,
-/// normals that are everywhere the triangle's own (within a degree).
+/// normals that are everywhere the triangle's own (within half a degree). Triangles whose normals are their own get
+/// normals of 0, so that flat things need no vertex for each side.
 void drop_idle_attributes(Mesh& mesh, const std::function<bool(uint32_t material)>& is_textured);
 
 /// Moves untextured triangles' material colours into their vertices and gives them the material `plain_of` theirs, so
@@ -23,6 +24,10 @@ void fold_colors(Mesh& mesh, const std::vector<Material>& materials,
 /// Side of a texel on the surface, in metres, for the triangles of one material with a picture of width x height: from
 /// their total areas. 0 when they have no area on the picture.
 double texel_size_m(const Mesh& mesh, uint32_t material, uint32_t width, uint32_t height);
+
+/// Whether rounding to the grid would take away surface that nothing else stands for: a triangle without thickness on
+/// the grid, such as a side of a thin post, that is no edge and no corner of any triangle that remains.
+bool loses_surface_on_grid(const Mesh& mesh, float step_m);
 
 /// Materials that occur, ascending.
 std::vector<uint32_t> materials_of(const Mesh& mesh);

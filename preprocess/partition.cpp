@@ -8,7 +8,8 @@
 #include <optional>
 
 #include "preprocess/byte_io.h"
-#include "preprocess/triangle_cut.h"
+#include "preprocess/lattice_cut.h"
+#include "preprocess/mesh_piece.h"
 
 namespace promenade {
 
@@ -97,9 +98,11 @@ Mesh flattened_slice(const Slice& slice, const glm::dvec3& origin) {
 
 class Router {
  public:
-  Router(Mesh mesh, const ChunkTree& tree) : mesh_(std::move(mesh)), tree_(tree), box_(bounds(mesh_)) {}
+  Router(Mesh mesh, const ChunkTree& tree) : mesh_(std::move(mesh)), tree_(tree) {}
 
   Routed route() {
+    cut_along_lattice(mesh_, tree_.cut_step_m);
+    box_ = bounds(mesh_);
     std::vector<uint32_t> all(mesh_.triangle_count());
     std::iota(all.begin(), all.end(), 0U);
     send(std::move(all), tree_.first_plane, box_);
@@ -132,18 +135,12 @@ class Router {
   }
 
   void divide(const std::vector<uint32_t>& triangles, const ChunkTree::Plane& plane, std::vector<uint32_t>& below,
-              std::vector<uint32_t>& above) {
+              std::vector<uint32_t>& above) const {
     if (plane.axis == ChunkTree::kByTurns) {
       for (size_t i = 0; i < triangles.size(); ++i) (i % 2 == 0 ? below : above).push_back(triangles[i]);
       return;
     }
-    TriangleCutter cutter(mesh_, {plane.axis, plane.value, plane.min_edge_m});
-    for (const uint32_t t : triangles) {
-      if (cutter.crosses(t))
-        cutter.cut(t, below, above);
-      else
-        (centroid(mesh_, t)[plane.axis] < plane.value ? below : above).push_back(t);
-    }
+    for (const uint32_t t : triangles) (centroid(mesh_, t)[plane.axis] < plane.value ? below : above).push_back(t);
   }
 
   Box box_of(const std::vector<uint32_t>& triangles) const {

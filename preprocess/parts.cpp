@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
 #include <numeric>
 
 namespace promenade {
@@ -62,7 +64,9 @@ void Parts::build_tree() {
   tree_ = ClosestPointTree(positions_, indices);
 }
 
-float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m) {
+float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m,
+                          std::vector<uint32_t>& corners) {
+  corners.clear();
   const bool first_look = looks_[part]++ == 0;
   const float limit2 = limit_m * limit_m;
   if (remaining_ < 2) return std::numeric_limits<float>::infinity();
@@ -76,6 +80,7 @@ float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, f
                                                               .group_hidden = hidden_.data()});
     cost2 = std::max(cost2, found.distance2_m2);
     hint = found.triangle;
+    corners.push_back(corner_of(found.triangle, p));
     if (first_look && cost2 > limit2) break;
   }
   hidden_[part] = 0;
@@ -89,20 +94,23 @@ void Parts::remove(uint32_t part) {
   if (hidden_in_tree_ * 2 > tree_triangles_.size()) build_tree();
 }
 
-uint32_t Parts::nearest_corner_besides(uint32_t part, const glm::vec3& point) {
-  hidden_[part] = 1;
-  const uint32_t corner = nearest_corner(point);
-  hidden_[part] = 0;
-  return corner;
+uint32_t Parts::corner_of(uint32_t tree_triangle, const glm::vec3& point) const {
+  const uint32_t first = tree_triangles_[tree_triangle] * 3;
+  uint32_t nearest = first;
+  float least2 = std::numeric_limits<float>::infinity();
+  for (uint32_t c = first; c < first + 3; ++c) {
+    const glm::vec3 off = positions_[indices_[c]] - point;
+    if (const float d2 = glm::dot(off, off); d2 < least2) least2 = d2, nearest = c;
+  }
+  return nearest;
 }
 
-uint32_t Parts::nearest_corner(const glm::vec3& point) const {
+uint32_t Parts::nearest_corner_besides(uint32_t part, const glm::vec3& point) {
+  hidden_[part] = 1;
   const ClosestPointTree::Nearest found =
       tree_.nearest(point, {.group_of_triangle = part_of_tree_triangle_.data(), .group_hidden = hidden_.data()});
-  if (found.triangle == kNoTriangle) return WorkMesh::kNone;
-  const glm::vec3 weights = tree_.closest_on(found.triangle, point).barycentric;
-  const uint32_t corner = weights.x >= weights.y && weights.x >= weights.z ? 0 : weights.y >= weights.z ? 1 : 2;
-  return tree_triangles_[found.triangle] * 3 + corner;
+  hidden_[part] = 0;
+  return found.triangle == kNoTriangle ? WorkMesh::kNone : corner_of(found.triangle, point);
 }
 
 }  // namespace promenade

@@ -25,19 +25,21 @@ class Parts {
 
   /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Exact where it
   /// is over the limit, else no more than the limit. A part's first look ends at the first point over the limit: most
-  /// parts are far too dear and never looked at again.
-  float removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m);
+  /// parts are far too dear and never looked at again. corners: for each point, up to where the look ended, a corner,
+  /// as the work mesh numbers them, of a triangle that is as near as said.
+  float removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m,
+                     std::vector<uint32_t>& corners);
 
   void remove(uint32_t part);
 
-  /// A corner, as the work mesh numbers them, of the triangle nearest to a point among the parts that remain; kNone
-  /// where none does.
-  uint32_t nearest_corner(const glm::vec3& point) const;
-  /// The same as if `part`, which remains, did not.
+  /// A corner, as the work mesh numbers them, of the triangle nearest to a point among the parts that remain without
+  /// `part`; kNone where none does.
   uint32_t nearest_corner_besides(uint32_t part, const glm::vec3& point);
 
  private:
   void build_tree();
+  /// The corner of a triangle of the tree that is nearest to a point.
+  uint32_t corner_of(uint32_t tree_triangle, const glm::vec3& point) const;
 
   const std::vector<glm::vec3>& positions_;
   std::vector<uint32_t> indices_;  // as in the beginning

@@ -131,7 +131,7 @@ class Simplifier {
     queue_.remove(places() + part);
     const float limit = patience(queued);
     gather_points(part, limit);
-    const float cost = parts_.removal_cost(part, points_, limit);
+    const float cost = parts_.removal_cost(part, points_, limit, corners_);
     if (cost > limit) return queue_.set(places() + part, cost);
     const float paint = paint_cost(part);
     if (paint > limit) return queue_.set(places() + part, paint);
@@ -141,10 +141,8 @@ class Simplifier {
       for (uint32_t c = 0; c < 3; ++c) queue_.remove(work_.place[t * 3 + c]);
       work_.kill(t);
     }
-    for (const glm::vec3& p : points_) {
-      const uint32_t corner = parts_.nearest_corner(p);
-      if (corner != WorkMesh::kNone) collapser_.add_point(p, work_.current(work_.place[corner]));
-    }
+    for (size_t i = 0; i < corners_.size(); ++i)
+      collapser_.add_point(points_[i], work_.current(work_.place[corners_[i]]));
   }
 
   /// The points that a part stands for, and some on the inside of what is longer than `spacing_m`: a post touches floor
@@ -217,6 +215,7 @@ class Simplifier {
   std::vector<uint32_t> alive_in_part_;
   std::vector<uint32_t> ring_;
   std::vector<glm::vec3> points_;
+  std::vector<uint32_t> corners_;  // of what remains beside each point
 };
 
 }  // namespace

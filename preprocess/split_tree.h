@@ -19,9 +19,10 @@ struct SplitTree {
 };
 
 /// Divides by planes across the longest extent of the triangles' centroids, so that leaves hold at most node_triangles
-/// and most of them hold nearly as many; inner nodes have 2 to level_factor children. Triangles with an edge longer
-/// than half a leaf are cut by the planes (new ones are added to the mesh), all others stay whole, on their
-/// centroid's side. Ends for any triangles, also when all lie in one place. Deterministic. One thread.
-SplitTree split_chunk(Mesh& mesh, const Box& cell, uint32_t node_triangles, uint32_t level_factor);
+/// and most of them hold nearly as many; inner nodes have 2 to one and a half times level_factor children. Triangles
+/// stay whole, on their centroid's side of a plane; planes lie on the lattice of cut_step_m (lattice_cut.h) where they
+/// can. Ends for any triangles, also when all lie in one place. Deterministic. One thread.
+SplitTree split_chunk(const Mesh& mesh, const Box& cell, uint32_t node_triangles, uint32_t level_factor,
+                      float cut_step_m = 0);
 
 }  // namespace promenade

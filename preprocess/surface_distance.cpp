@@ -21,11 +21,12 @@ constexpr size_t kMaxCorners = 16;  // of a piece; from kCrowded on only halving
 constexpr size_t kCrowded = 10;
 constexpr uint32_t kMaxDepth = 40;         // halvings of one triangle below each other
 constexpr size_t kPiecesPerTriangle = 32;  // bounds the time on hostile input
-constexpr uint32_t kSamples = 1024;        // of each direction: ten of them above the 99th percentile
+constexpr uint32_t kSamples = 512;         // of each direction: five of them above the 99th percentile
 constexpr float kWellInside = 1e-4F;       // barycentric: cuts nearer to a border would gain nothing, for ever
 constexpr float kFloorShare = 1e-5F;       // of the diagonal: differences below it are not pursued
 constexpr float kQueryRounding = 2e-6F;    // see ClosestPointTree
 constexpr float kCoordinateRounding = 0x1p-23F;
+constexpr float kNearEnough = 0.5F;  // of what a triangle is settled by: measured, see bench_simplify
 
 /// A convex polygon on a triangle of A.
 struct Piece {
@@ -44,6 +45,9 @@ struct Measure {
   float floor = 0;
   /// Whatever is bounded by this need not be looked at more closely.
   float good_enough() const { return std::max(floor, reached * (1 + slack)); }
+  /// A triangle this near to a corner will do, nearest or not: nothing about the largest distance depends on it, and
+  /// what it leaves to `good_enough` is enough to settle most triangles by.
+  float near_enough() const { return kNearEnough * good_enough(); }
 };
 
 /// Cuts by the plane dot(normal, x) = offset: `below` is where the product is less.
@@ -95,7 +99,7 @@ class Direction {
         continue;
       }
       done[place] = 1;
-      nearest_[place] = query(from_.positions[v], hint);
+      nearest_[place] = query(from_.positions[v], hint, measure_.near_enough());
       hint = nearest_[place].triangle;
     }
   }
@@ -143,11 +147,20 @@ class Direction {
             from_.positions[from_.indices[3 * t + 2]]};
   }
 
-  Found query(const glm::vec3& p, uint32_t hint) {
-    const ClosestPointTree::Nearest found = tree_.nearest(p, {.hint = hint});
+  /// The nearest triangle, or the first one found within `enough_m`.
+  Found query(const glm::vec3& p, uint32_t hint, float enough_m = 0) {
+    const ClosestPointTree::Nearest found =
+        tree_.nearest(p, {.hint = hint, .enough_distance2_m2 = enough_m * enough_m});
     const float distance = std::sqrt(found.distance2_m2);
-    measure_.reached = std::max(measure_.reached, distance);
+    if (distance > enough_m) measure_.reached = std::max(measure_.reached, distance);
     return {distance, found.triangle};
+  }
+
+  /// Largest distance of a triangle's corners from one triangle of B.
+  float farthest_from(uint32_t triangle, const std::array<glm::vec3, 3>& corners) const {
+    float d2 = 0;
+    for (const glm::vec3& corner : corners) d2 = std::max(d2, tree_.distance2_to(triangle, corner));
+    return std::sqrt(d2);
   }
 
   void settle(float bound) { measure_.accepted = std::max(measure_.accepted, bound); }
@@ -163,6 +176,10 @@ class Direction {
     // Every point of a triangle is within its longest edge / sqrt 3 of a corner.
     float bound = farthest + edge * 0.57735034F;
     if (bound <= measure_.good_enough()) return settle(bound);
+    for (size_t i = 0; i < 3; ++i) {
+      bound = std::min(bound, farthest_from(near[i].triangle, c));
+      if (bound <= measure_.good_enough()) return settle(bound);
+    }
     Piece piece;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::copy(c.begin(), c.end(), piece.corners.begin());
     piece.count = 3, piece.depth = 0, piece.hint = near[0].triangle, piece.bound = bound;
@@ -284,10 +301,11 @@ SurfaceDistance surface_distance(const Mesh& a, const ClosestPointTree& tree_a, 
   measure.floor = std::max(static_cast<float>(tolerance_m), box.diagonal() * kFloorShare);
   Direction from_a(a, b, tree_b, measure);
   Direction from_b(b, a, tree_a, measure);
+  SurfaceDistance result;
+  // Samples first: how far the surfaces are apart at most decides how closely the rest is looked at.
+  result.p99_m = std::max(from_a.measure_samples(), from_b.measure_samples());
   from_a.measure_vertices();
   from_b.measure_vertices();
-  SurfaceDistance result;
-  result.p99_m = std::max(from_a.measure_samples(), from_b.measure_samples());
   from_a.bound_triangles();
   from_b.bound_triangles();
   const float bound = std::max(measure.accepted, measure.reached);

@@ -183,7 +183,8 @@ class Surveyor {
       const glm::dvec3 a = placed(mesh.indices[3 * t]), b = placed(mesh.indices[3 * t + 1]),
                        c = placed(mesh.indices[3 * t + 2]);
       const double edge = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
-      keeper_.add({(a + b + c) / 3.0, static_cast<float>(edge), priority});
+      const auto area = static_cast<float>(glm::length(glm::cross(b - a, c - a)) / 2);
+      keeper_.add({(a + b + c) / 3.0, static_cast<float>(edge), area, priority});
     }
   }
 

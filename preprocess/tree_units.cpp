@@ -10,9 +10,9 @@
 #include <mutex>
 #include <optional>
 
+#include "preprocess/mesh_piece.h"
 #include "preprocess/split_tree.h"
 #include "preprocess/survey.h"
-#include "preprocess/triangle_cut.h"
 
 namespace promenade {
 
@@ -49,9 +49,10 @@ Result<std::vector<NodeSurface>> build_children(size_t count, const std::functio
 /// One chunk's nodes, bottom up. Nodes are built by several threads, each into its own slot.
 class ChunkWork {
  public:
-  ChunkWork(Mesh mesh, const Box& cell, const NodeBuilder& builder, const TreeOptions& options, Progress& progress)
+  ChunkWork(Mesh mesh, const Box& cell, float cut_step_m, const NodeBuilder& builder, const TreeOptions& options,
+            Progress& progress)
       : mesh_(std::move(mesh)),
-        split_(split_chunk(mesh_, cell, options.node_triangles, options.level_factor)),
+        split_(split_chunk(mesh_, cell, options.node_triangles, options.level_factor, cut_step_m)),
         nodes_(split_.nodes.size()),
         builder_(builder),
         progress_(progress) {}
@@ -188,8 +189,9 @@ class ChunkQueue {
     }
     Result<Mesh> mesh = read_spill(file, spill);
     if (!mesh.ok()) return fail(mesh.error());
-    Result<NodeUnit> unit = ChunkWork(std::move(*mesh), tree_.chunk_cells[chunk], builder_, options_, progress_)
-                                .run(folder_, name, options_.hash);
+    Result<NodeUnit> unit =
+        ChunkWork(std::move(*mesh), tree_.chunk_cells[chunk], tree_.cut_step_m, builder_, options_, progress_)
+            .run(folder_, name, options_.hash);
     if (!unit.ok()) return fail(unit.error());
     units[chunk] = std::move(*unit);
   }

@@ -87,7 +87,7 @@ class VertexMaker {
     if (!source_.normals.empty()) {
       normal = source_.normals[from];
       const bool wrong = !(glm::dot(normal, face_normal) >= kLeastNormalCosine);
-      if (wrong && glm::dot(face_normal, face_normal) > 0) normal = face_normal;
+      if (wrong && normal != glm::vec3(0) && glm::dot(face_normal, face_normal) > 0) normal = face_normal;
     }
     uint64_t hash = (uint64_t(place) << 32U | from) * 0x9e3779b97f4a7c15ULL;
     hash ^= std::bit_cast<uint32_t>(normal.x) * 0xbf58476d1ce4e5b9ULL;

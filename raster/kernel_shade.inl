@@ -138,8 +138,8 @@ void fetch_triangle(const Shading& s, TileTriangles& t, int32_t k) {
     if (!bare && item.colors != nullptr)
       for (int c = 0; c < 3; ++c) t.color[v][c][k] *= s.linear_of_srgb[item.colors[at] >> (8 * c) & 255U];
     if (bare || item.normals == nullptr) continue;
-    t.smooth[k] = 1;
     const float* n = item.normals + 3 * at;
+    if (n[0] != 0 || n[1] != 0 || n[2] != 0) t.smooth[k] = 1;
     for (int c = 0; c < 3; ++c)
       t.normal[v][c][k] =
           item.placed ? (item.normal_rows[c][0] * n[0] + item.normal_rows[c][1] * n[1]) + item.normal_rows[c][2] * n[2]
@@ -188,8 +188,9 @@ PROMENADE_INLINE void light_corners(const Shading& s, TileTriangles& t, int32_t 
     if (any_smooth) {
       F m[3];
       for (int c = 0; c < 3; ++c) m[c] = load(t.normal[v][c] + first);
+      const M own = ((m[0] * m[0] + m[1] * m[1]) + m[2] * m[2]) > zero;
       make_unit(m);
-      for (int c = 0; c < 3; ++c) m[c] = select(smooth, select(back, zero - m[c], m[c]), n[c]);
+      for (int c = 0; c < 3; ++c) m[c] = select(smooth & own, select(back, zero - m[c], m[c]), n[c]);
       light_on(s, m, here);
     }
     for (int c = 0; c < 3; ++c) store(t.color[v][c] + first, load(t.color[v][c] + first) * here[c]);

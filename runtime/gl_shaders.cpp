@@ -50,7 +50,7 @@ out vec4 result;
 #endif
 
 vec3 facing_normal() {
-  if (has_normals != 0) {
+  if (has_normals != 0 && dot(model_normal, model_normal) > 0.0) {  // 0: the triangle's own
     vec3 n = normalize(model_normal);
     return gl_FrontFacing ? n : -n;
   }

@@ -31,8 +31,8 @@ struct Sight {
   double pixels_per_radian;
 };
 
-double error_px(const NodeRecord& node, const Sight& sight) {
-  return screen_error_px(node.error_m, node.box.distance(sight.eye), sight.pixels_per_radian);
+double error_px(const NodeRecord& node, const Sight& sight, ErrorKind kind) {
+  return screen_error_px(error_m(node, kind), node.box.distance(sight.eye), sight.pixels_per_radian);
 }
 
 double priority_distance(const NodeRecord& node, const Sight& sight, const SelectOptions& options) {
@@ -62,8 +62,9 @@ float priority_of(const Model& model, NodeId id, const Sight& sight, const Selec
     const double benefit = static_benefit * vis * foreshorten / (distance_m * distance_m);
     priority = benefit / std::max(node_cost(node, time), 1e-3);
   } else {
-    const double coarser_m = node.parent == kNoNode ? double(node.box.diagonal())
-                                                    : double(model.tables.nodes[index_of(node.parent)].error_m);
+    const double coarser_m = node.parent == kNoNode
+                                 ? double(node.box.diagonal())
+                                 : double(error_m(model.tables.nodes[index_of(node.parent)], options.error_kind));
     priority = coarser_m / distance_m * sight.pixels_per_radian * vis;
   }
   return static_cast<float>(std::min(priority, 1e30));
@@ -96,7 +97,9 @@ class Selecting {
   const NodeRecord& node(NodeId id) const { return model_.tables.nodes[index_of(id)]; }
   bool resident(NodeId id) const { return resident_[index_of(id)] != 0; }
   bool visible(NodeId id) const { return classify(sight_.frustum, node(id).box) != Overlap::outside; }
-  bool fine_enough(const NodeRecord& n) const { return error_px(n, sight_) <= options_.pixel_error; }
+  bool fine_enough(const NodeRecord& n) const {
+    return error_px(n, sight_, options_.error_kind) <= options_.pixel_error;
+  }
   float price(NodeId id);
   void price_siblings(std::span<const NodeId> ids, double share_ms, Siblings& siblings);
   void update_hysteresis(NodeId id, double slice_ms, double needed_ms);

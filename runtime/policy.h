@@ -53,7 +53,8 @@ struct TimeSliceOptions {
 
 struct SelectOptions {
   Policy policy = Policy::time_slices;
-  double pixel_error = 1;  ///< pixels; static and time_slices
+  double pixel_error = 1;                   ///< pixels; static and time_slices
+  ErrorKind error_kind = ErrorKind::bound;  ///< what pixel_error is compared with
   TimeSliceOptions time;
   /// The eye is taken where it will be this much later, for priorities only ("slightly adjusted based on the user's
   /// velocity").

@@ -69,6 +69,38 @@ TEST_F(SmallCity, info_tells_its_levels) {
   EXPECT_GT(levels[0]["error_m_max"], levels.back()["error_m_mean"]);
 }
 
+TEST_F(SmallCity, info_measures_the_fronts_of_a_path_by_either_error) {
+  double shares[2] = {0, 0};
+  for (const std::string kind : {"bound", "p99"}) {
+    const ProgramRun run = run_program(
+        "info city.prom --front-from city_walk.json --eyes 5 --error-kind " + kind + " --json front.json", folder());
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const json front = json_in(folder() / "front.json")["front"];
+    EXPECT_EQ(front["error_kind"], kind);
+    EXPECT_LE(front["in_view_triangles_mean"], front["triangles_mean"]);
+    EXPECT_LE(front["triangles_mean"], front["full_triangles_mean"]);
+    shares[kind == "p99"] = front["share_of_full"].get<double>();
+  }
+  EXPECT_LE(shares[1], shares[0]) << "99 % of a surface is no farther off than all of it";
+}
+
+TEST_F(SmallCity, study_geometry_compares_codecs) {
+  const ProgramRun run = run_program("study geometry city.prom --nodes 20 --json study.json", folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "study.json");
+  uint32_t defaults = 0;
+  for (const json& row : figures["codecs"]) {
+    EXPECT_GT(row["bits_per_triangle"], 0) << row["name"];
+    EXPECT_GT(row["encode_triangles_per_s"], 0) << row["name"];
+    EXPECT_GT(row["decode_triangles_per_s"], 0) << row["name"];
+    EXPECT_GE(row["error_ratio"], 0) << row["name"];
+    defaults += row["default"].get<bool>() ? 1U : 0U;
+  }
+  EXPECT_EQ(defaults, 1);
+  EXPECT_EQ(run_program("study geometry", folder()).exit_code, 2);
+  EXPECT_EQ(run_program("study nothing city.prom", folder()).exit_code, 2);
+}
+
 TEST_F(SmallCity, is_flown_through_within_its_bound_with_a_row_a_frame) {
   const ProgramRun run = run_program(
       "fly city.prom --path city_walk.json --seconds 1 --size 160x90 --memory 64MiB --renderer gl --offscreen osmesa "

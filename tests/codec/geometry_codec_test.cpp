@@ -188,7 +188,7 @@ TEST(GeometryCodec, keeps_far_texture_coordinates_to_a_grid_as_fine_as_floats) {
   }
 }
 
-TEST(OctahedralNormals, are_off_by_at_most_0_06_degrees) {
+TEST(OctahedralNormals, are_off_by_at_most_0_48_degrees) {
   std::mt19937 random(3);
   double worst = 0;
   for (int i = 0; i < 200000; ++i) {
@@ -198,24 +198,24 @@ TEST(OctahedralNormals, are_off_by_at_most_0_06_degrees) {
     const glm::dvec3 back(normal_of_octahedral(octahedral_of_normal(glm::normalize(n))));
     worst = std::max(worst, std::asin(std::min(1.0, glm::length(glm::cross(glm::normalize(n), back)))));
   }
-  EXPECT_LT(worst * 180 / 3.14159265, 0.06);
+  EXPECT_LT(worst * 180 / 3.14159265, 0.48);
 }
 
-TEST(OctahedralNormals, keep_axes_exactly_and_give_zero_a_direction) {
+TEST(OctahedralNormals, keep_axes_and_zero_exactly) {
   for (int axis = 0; axis < 3; ++axis)
     for (const float sign : {1.0F, -1.0F}) {
       glm::vec3 n(0);
       n[axis] = sign;
       EXPECT_EQ(normal_of_octahedral(octahedral_of_normal(n)), n);
     }
-  EXPECT_EQ(normal_of_octahedral(octahedral_of_normal(glm::vec3(0))), glm::vec3(0, 0, 1));
+  EXPECT_EQ(normal_of_octahedral(octahedral_of_normal(glm::vec3(0))), glm::vec3(0));
 }
 
 // ---- bytes
 
-TEST(DecodeMesh, reads_the_golden_bytes_of_version_1) {
+TEST(DecodeMesh, reads_the_golden_bytes_of_version_2) {
   for (const GeometryCodec codec : kCodecs) {
-    const std::string name = "mesh_v1_" + std::string(name_of(codec)) + ".bin";
+    const std::string name = "mesh_v2_" + std::string(name_of(codec)) + ".bin";
     expect_golden(name, encoded(textured_cube(), codec, 0.0009765625F).bytes);
     const Result<Mesh> back = decode_mesh(golden_bytes(name));
     ASSERT_TRUE(back) << name << ": " << back.error().message;
@@ -322,7 +322,7 @@ TEST(DecodeMesh, rejects_another_magic_version_codec_or_flag) {
     return mesh ? std::string("decoded") : mesh.error().message;
   };
   EXPECT_THAT(message_with(0, 'X'), HasSubstr("not 48534d50"));
-  EXPECT_THAT(message_with(4, 2), HasSubstr("version 2, this program reads 1"));
+  EXPECT_THAT(message_with(4, 1), HasSubstr("version 1, this program reads 2"));
   EXPECT_THAT(message_with(5, 3), HasSubstr("unknown codec 3"));
   EXPECT_THAT(message_with(6, 32), HasSubstr("unknown flags"));
   EXPECT_THAT(message_with(23, 1), HasSubstr("reserved bytes"));

@@ -54,7 +54,7 @@ TEST(Append, fills_what_one_side_lacks) {
   append(a, b);
   EXPECT_EQ(find_defect(a), "");
   EXPECT_EQ(a.triangle_count(), 2U);
-  EXPECT_EQ(a.normals[0], glm::vec3(0, 0, 1));
+  EXPECT_EQ(a.normals[0], glm::vec3(0)) << "the triangle's own";
   EXPECT_EQ(a.colors[0], glm::u8vec4(255));
   EXPECT_EQ(a.material_of(0), 0U);
   EXPECT_EQ(a.material_of(1), 5U);

@@ -16,7 +16,7 @@ std::vector<TriangleSample> samples_of(const Mesh& mesh) {
     const glm::vec3 a = mesh.positions[mesh.indices[3 * t]], b = mesh.positions[mesh.indices[3 * t + 1]],
                     c = mesh.positions[mesh.indices[3 * t + 2]];
     const float edge = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
-    samples.push_back({glm::dvec3(a + b + c) / 3.0, edge, t});
+    samples.push_back({glm::dvec3(a + b + c) / 3.0, edge, glm::length(glm::cross(b - a, c - a)) / 2, t});
   }
   return samples;
 }
@@ -66,7 +66,7 @@ TEST(Route, cuts_what_is_much_larger_than_its_leaf) {
   for (const auto& [chunk, piece] : route(ground, tree)) {
     area_m2 += surface_area_m2(piece);
     const Box& cell = tree.chunk_cells[chunk];
-    EXPECT_TRUE(cell.grown(1e-3F).contains(bounds(piece))) << "chunk " << chunk;
+    EXPECT_TRUE(cell.grown(tree.cut_step_m).contains(bounds(piece))) << "chunk " << chunk;
   }
   EXPECT_NEAR(area_m2, 10'000, 0.1);
 }

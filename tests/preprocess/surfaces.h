@@ -4,7 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <map>
 #include <numbers>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "geometry/mesh.h"
 
@@ -185,6 +189,29 @@ inline Mesh tangled_soup(uint32_t triangles, uint32_t places, uint64_t seed = 1)
   for (uint32_t p = 0; p < places; ++p) mesh.positions.push_back(numbers.in_cube(10));
   for (uint32_t i = 0; i < triangles * 3; ++i) mesh.indices.push_back(static_cast<uint32_t>(numbers.next() % places));
   return mesh;
+}
+
+using Point = std::tuple<float, float, float>;
+
+/// Edges between places that the triangles of all meshes together do not pass once in either direction, however their
+/// corners are numbered: none for a closed surface.
+inline std::map<std::pair<Point, Point>, int> open_edges(const std::vector<Mesh>& meshes) {
+  std::map<std::pair<Point, Point>, int> edges;
+  for (const Mesh& mesh : meshes)
+    for (size_t i = 0; i < mesh.indices.size(); ++i) {
+      const auto point = [&](size_t corner) {
+        const glm::vec3& p = mesh.positions[mesh.indices[corner]];
+        return Point(p.x, p.y, p.z);
+      };
+      const Point a = point(i), b = point(i % 3 == 2 ? i - 2 : i + 1);
+      if (a == b) continue;
+      if (a < b)
+        ++edges[{a, b}];
+      else
+        --edges[{b, a}];
+    }
+  std::erase_if(edges, [](const auto& edge) { return edge.second == 0; });
+  return edges;
 }
 
 }  // namespace promenade::test
