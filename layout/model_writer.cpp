@@ -22,8 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 5> kOwnNames = {kManifestName, kTablesName, kGeometryName, kTexturesName,
-                                               kCellsName};
+constexpr std::array<const char*, 5> kOwnNames = {kManifestName, kTablesName, kGeometryName, kTexturesName, kCellsName};
 
 bool exists(const fs::path& path, FileSystem& files) {
   FileInfo info;
