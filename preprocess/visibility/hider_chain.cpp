@@ -6,9 +6,11 @@
 #include <utility>
 
 #include "preprocess/visibility/hiders/backface.h"
+#include "preprocess/visibility/hiders/horizon.h"
 #include "preprocess/visibility/hiders/sampled.h"
 #include "preprocess/visibility/node_meshes.h"
 #include "preprocess/visibility/node_parts.h"
+#include "preprocess/visibility/occluders.h"
 
 namespace promenade {
 namespace {
@@ -46,6 +48,17 @@ class ChainMaker {
       PROMENADE_TRY(need_parts());
       return owning(make_backface_hider(model_.model(), *parts_), parts_);
     }
+    if (name == "horizon") {
+      PROMENADE_TRY(need_parts());
+      Result<OccluderSet> occluders = extract_occluders(model_, OccluderOptions(), monitor_);
+      if (!occluders) return occluders.error();
+      struct Share {
+        std::shared_ptr<NodeParts> parts;
+        OccluderSet occluders;
+      };
+      auto share = std::make_shared<Share>(Share{parts_, std::move(*occluders)});
+      return owning(make_horizon_hider(model_.model(), *share->parts, share->occluders), share);
+    }
     if (name == "sampled") {
       PROMENADE_TRY(need_meshes());
       return owning(make_sampled_hider(*meshes_), meshes_);
@@ -78,10 +91,10 @@ class ChainMaker {
 
 }  // namespace
 
-std::string_view hider_names() { return "backface, sampled"; }
+std::string_view hider_names() { return "backface, horizon, sampled"; }
 
 const std::vector<std::string>& default_hiders() {
-  static const std::vector<std::string> names = {"backface"};
+  static const std::vector<std::string> names = {"backface", "horizon"};
   return names;
 }
 
