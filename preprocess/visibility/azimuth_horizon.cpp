@@ -75,10 +75,6 @@ struct AzimuthHorizon::Walk {
 
   void restart() { entered = false, ++events; }
 
-  void include(double near_m, double far_m) {
-    nearest_m = std::min(nearest_m, near_m), farthest_m = std::max(farthest_m, far_m);
-  }
-
   /// Along one side, relative to the eye.
   void side(const glm::dvec2& a, const glm::dvec2& b) {
     const double turning = cross(a, b);
@@ -94,25 +90,26 @@ struct AzimuthHorizon::Walk {
       restart();
       counter_clockwise = ccw, bin = bin_a;
     }
-    const double ra = glm::length(a), rb = glm::length(b);
-    const double foot = -glm::dot(a, along) / (length * length);  // where the eye is nearest to the line
-    const double least = foot > 0 && foot < 1 ? off_m : std::min(ra, rb);
-    include(std::min(least, ra), ra);
     uint32_t steps = ccw ? (bin_b - bin_a) & kBinMask : (bin_a - bin_b) & kBinMask;
     if (steps > kBins / 2 + 1) return restart();  // rounding put an end beyond a boundary: not a real sweep
+    const double foot = -glm::dot(a, along) / (length * length);  // where the eye is nearest to the line
+    double t = 0, r = glm::length(a);
+    const auto advance = [&](double to, double r_to) {
+      const double least = t <= foot && foot <= to ? off_m : std::min(r, r_to);
+      nearest_m = std::min(nearest_m, least), farthest_m = std::max({farthest_m, r, r_to});
+      t = to, r = r_to;
+    };
     for (; steps > 0; --steps) {
       const glm::dvec2& way = boundaries()[ccw ? (bin + 1) & kBinMask : bin];
-      // a + t along lies on the way: cross(a, way) + t cross(along, way) = 0
-      const double t = std::clamp(-cross(a, way) / cross(along, way), 0.0, 1.0);
-      const double r = glm::length(a + along * t);
-      include(std::min(r, least), r);
+      // a + s along lies on the way: cross(a, way) + s cross(along, way) = 0
+      const double s = std::clamp(-cross(a, way) / cross(along, way), t, 1.0);
+      advance(s, glm::length(a + along * s));
       if (entered) horizon.commit(bin, nearest_m, farthest_m);
       bin = (ccw ? bin + 1 : bin - 1) & kBinMask;
       entered = true, ++events;
       nearest_m = farthest_m = r;
-      if (least < r) nearest_m = least;
     }
-    include(std::min(least, rb), rb);
+    advance(1, glm::length(b));
   }
 };
 

@@ -17,7 +17,8 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr float kThickSheetM = 0.3F;  // a touched slab up to this thick, solid above and below, is a sheet
 constexpr float kLowGapM = 1.0F;      // gaps lower than this may be slips
 constexpr float kStepM = 0.5F;        // a gap whose ceiling is so little above the air's floor leads under the ground
-constexpr double kPocketM2 = 300;     // smaller spaces under a low ceiling are flooded instead of remembered
+constexpr glm::dvec2 kOffMiddleM(0.00137, 0.00073);  // where a column is asked: off the lines that models like
+constexpr double kPocketM2 = 300;  // smaller spaces under a low ceiling are flooded instead of remembered
 
 /// A convex polygon with heights, clipped to a column.
 struct Clip {
@@ -37,15 +38,25 @@ struct Clip {
   }
 };
 
-/// Which side of the line through a and b (as plan views) a point is on. The same bits for both directions but for the
-/// sign, so that every point belongs to exactly one of two triangles that share an edge.
-double side_of(const glm::vec3& a, const glm::vec3& b, const glm::dvec2& p) {
-  const bool swap = a.x > b.x || (a.x == b.x && a.y > b.y);
-  const glm::dvec2 from(swap ? b : a), to(swap ? a : b);
-  double side = (to.x - from.x) * (p.y - from.y) - (to.y - from.y) * (p.x - from.x);
-  if (side == 0) side = 1;  // on the line: to its left
-  return swap ? -side : side;
-}
+/// A side of a triangle in the plan. The same bits for both directions but for the sign, so that every point belongs
+/// to exactly one of two triangles that share a side.
+struct PlanSide {
+  glm::dvec2 from, way;
+  double sign;  ///< 1, or -1: the inside is to the right of the way
+
+  PlanSide(const glm::vec3& a, const glm::vec3& b, bool counter_clockwise) {
+    const bool swap = a.x > b.x || (a.x == b.x && a.y > b.y);
+    from = glm::dvec2(swap ? b : a), way = glm::dvec2(swap ? a : b) - from;
+    sign = swap == counter_clockwise ? -1 : 1;
+  }
+  /// Twice the area of the triangle with a point; positive inside. A point on the line lies to the left of the way.
+  double off(const glm::dvec2& p) const {
+    const double left = way.x * (p.y - from.y) - way.y * (p.x - from.x);
+    return sign * (left == 0 ? std::numeric_limits<double>::min() : left);
+  }
+  /// How much that changes, at most, when the point moves by `reach` along each axis.
+  double slack(double reach) const { return reach * (std::abs(way.x) + std::abs(way.y)); }
+};
 
 /// Free heights of a column between what is touched.
 struct Run {
@@ -80,7 +91,7 @@ class Flood {
   void seed();
   void spread();
   void flood_pockets();
-  std::vector<Contact> pocket_around(size_t run, uint32_t column, bool& at_border);
+  std::vector<Contact> pocket_around(size_t run, uint32_t column);
   /// Calls visit(run, column) for every run of the four neighbours that shares heights with a run.
   template <class Visit>
   void neighbours(size_t run, uint32_t column, const Visit& visit) const;
@@ -146,12 +157,11 @@ void Flood::spread() {
 }
 
 /// What hangs together with a run that the air has not reached.
-std::vector<Contact> Flood::pocket_around(size_t run, uint32_t column, bool& at_border) {
+std::vector<Contact> Flood::pocket_around(size_t run, uint32_t column) {
   std::vector<Contact> pocket = {{run, column}};
   visited_[run] = 1;
   for (size_t i = 0; i < pocket.size(); ++i) {
     const Contact at = pocket[i];
-    at_border |= this->at_border(at.column);
     neighbours(at.run, at.column, [&](size_t next, uint32_t of) {
       if (runs_[next].reached || visited_[next] != 0) return;
       visited_[next] = 1;
@@ -167,9 +177,8 @@ void Flood::flood_pockets() {
   const double most = kPocketM2 / (grid_.column_m * grid_.column_m);
   for (const Contact& slip : slips_) {
     if (runs_[slip.run].reached || visited_[slip.run] != 0) continue;
-    bool at_border = false;
-    const std::vector<Contact> pocket = pocket_around(slip.run, slip.column, at_border);
-    if (at_border || double(pocket.size()) > most) continue;
+    const std::vector<Contact> pocket = pocket_around(slip.run, slip.column);
+    if (double(pocket.size()) > most) continue;
     for (const Contact& part : pocket) runs_[part.run].reached = true;
   }
 }
@@ -224,29 +233,31 @@ void ColumnBuilder::add_triangle(const glm::vec3 (&corners)[3]) {
   const double y0 = std::max(index(low.y, 1), 0.0), y1 = std::min(index(high.y, 1), double(grid_.ny) - 1);
   if (x0 > x1 || y0 > y1) return;
   const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-  const double sign = area > 0 ? 1 : -1;
-  const auto inside = [&](const glm::dvec2& p) {
-    return sign * side_of(corners[0], corners[1], p) > 0 && sign * side_of(corners[1], corners[2], p) > 0 &&
-           sign * side_of(corners[2], corners[0], p) > 0;
-  };
+  const std::array<PlanSide, 3> sides = {PlanSide(corners[0], corners[1], area > 0),
+                                         PlanSide(corners[1], corners[2], area > 0),
+                                         PlanSide(corners[2], corners[0], area > 0)};
   const glm::dvec3 normal = glm::cross(b - a, c - a);
   const double slope_x = -normal.x / normal.z, slope_y = -normal.y / normal.z;
   const bool flat = area != 0 && std::abs(slope_x) + std::abs(slope_y) < 4;
   const double half = grid_.column_m / 2;
-  const bool single = x0 == x1 && y0 == y1;
+  const double reach = half + 2 * kOffMiddleM.x;  // from the middle, as it is used, to all of the column
   for (double y = y0; y <= y1; ++y)
     for (double x = x0; x <= x1; ++x) {
       const glm::dvec2 corner = grid_.low + glm::dvec2(x, y) * grid_.column_m, far = corner + 2 * half;
-      // Off the middle by an odd bit: edges along the grid's lines should not meet it.
-      const glm::dvec2 middle = corner + half + glm::dvec2(0.00137, 0.00073);
-      const int32_t facing = area != 0 && inside(middle) ? (area > 0 ? 1 : -1) : 0;
+      bool middle_in = area != 0, all_in = flat, all_out = false;
+      for (const PlanSide& side : sides) {
+        const double off = side.off(corner + half + kOffMiddleM), slack = side.slack(reach);
+        middle_in &= off > 0, all_in &= off > slack, all_out |= area != 0 && off < -slack;
+      }
+      if (all_out) continue;
+      const int32_t facing = middle_in ? (area > 0 ? 1 : -1) : 0;
       const auto column_x = static_cast<uint32_t>(x), column_y = static_cast<uint32_t>(y);
-      if (single) {
+      if (x0 == x1 && y0 == y1) {
         touch(column_x, column_y, low.z, high.z, facing);
-      } else if (flat && inside(corner) && inside(far) && inside({corner.x, far.y}) && inside({far.x, corner.y})) {
+      } else if (all_in) {
         const double z = a.z + slope_x * (corner.x + half - a.x) + slope_y * (corner.y + half - a.y);
-        const double reach = (std::abs(slope_x) + std::abs(slope_y)) * half;
-        touch(column_x, column_y, z - reach, z + reach, facing);
+        const double lift = (std::abs(slope_x) + std::abs(slope_y)) * half;
+        touch(column_x, column_y, z - lift, z + lift, facing);
       } else {
         Clip clip{{a, b, c}, 3};
         clip.keep(0, -1, -corner.x), clip.keep(0, 1, far.x), clip.keep(1, -1, -corner.y), clip.keep(1, 1, far.y);
