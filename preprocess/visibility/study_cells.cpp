@@ -83,7 +83,7 @@ Result<std::vector<Box>> study_cells(const NodeMeshes& meshes, const StudyCellOp
     const float lift = unit();
     const auto [least, most] = plan->range(low, low + side);
     if (!std::isfinite(least)) continue;
-    float z = least + 0.2F, height = options.height_m;
+    float z = most + 0.1F, height = options.height_m;
     if (options.place == StudyPlace::street) {
       // A street is flat, and much lower than something not far away.
       const auto around = plan->range(low - 30.0F, low + side + 30.0F);

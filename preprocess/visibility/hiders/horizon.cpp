@@ -97,9 +97,12 @@ class CellWork {
   }
 
  private:
+  using Ground = OccluderSet::Ground;
   enum class State : uint8_t { open, seen };
+  enum class Fate : uint8_t { unseen, open, seen };
   using Targets = std::vector<uint32_t>;
 
+  Fate fate_of(const NodePart& part);
   void gather_targets();
   void gather_occluders();
   void look_from_corners();
@@ -131,16 +134,33 @@ class CellWork {
   std::span<uint8_t> hidden_;
   std::vector<State> state_;
   std::vector<Target> targets_;
-  float lowest_m_ = 0;  ///< no ray that matters goes below
+  float eyes_from_m_ = 0;  ///< no eye is lower
+  float lowest_m_ = 0;     ///< no ray that matters goes below
   std::vector<Usable> usable_;
   AzimuthHorizon horizon_;
 };
 
-/// The parts of each node that face the cell. A node with a part above, below or around the cell is seen, as is one
-/// that may be seen from under the ground.
+/// What a ray from the cell may do on its way to a part. Eyes are in the air, so above the ground; what lies below the
+/// ground is seen only by rays that slip under it.
+CellWork::Fate CellWork::fate_of(const NodePart& part) {
+  if (faces_away_from_cell(part.cone, part.box, cell_)) return Fate::unseen;
+  Box around = cell_;
+  around.add(part.box);
+  const Ground& ground = set_.ground;
+  const float slips_below = ground.slips_top_m;
+  if ((eyes_from_m_ < slips_below || part.box.min.z < slips_below) && ground.has_slips(around)) return Fate::seen;
+  const float solid = ground.solid_below(part.box);
+  if (part.box.max.z < solid) return Fate::unseen;
+  if (share_plan(part.box, cell_)) return Fate::seen;
+  lowest_m_ = std::min(lowest_m_, std::max(part.box.min.z, solid));
+  return Fate::open;
+}
+
+/// The parts of each node that must be hidden for it to be. A node with a part above, below or around the cell is seen.
 void CellWork::gather_targets() {
   state_.assign(front_.size(), State::open);
-  lowest_m_ = cell_.min.z;
+  eyes_from_m_ = std::max(cell_.min.z, std::min(set_.ground.solid_below(cell_), cell_.max.z));
+  lowest_m_ = eyes_from_m_;
   for (uint32_t i = 0; i < front_.size(); ++i) {
     if (hidden_[i] != 0) {
       state_[i] = State::seen;  // nothing to prove; what is set already stays
@@ -148,19 +168,14 @@ void CellWork::gather_targets() {
     }
     const size_t first = targets_.size();
     for (const NodePart& part : parts_.of(front_[i])) {
-      if (faces_away_from_cell(part.cone, part.box, cell_)) continue;
-      Box around = cell_;
-      around.add(part.box);
-      const bool slips = set_.may_slip(around, std::min(cell_.min.z, part.box.min.z));
-      if (slips || share_plan(part.box, cell_)) {
-        state_[i] = State::seen;
-        break;
-      }
-      targets_.push_back({part.box, i});
+      const Fate fate = fate_of(part);
+      if (fate == Fate::open) targets_.push_back({part.box, i});
+      if (fate != Fate::seen) continue;
+      state_[i] = State::seen;
+      targets_.resize(first);
+      break;
     }
-    if (state_[i] == State::seen) targets_.resize(first);
   }
-  for (const Target& target : targets_) lowest_m_ = std::min(lowest_m_, target.box.min.z);
 }
 
 void CellWork::gather_occluders() {
