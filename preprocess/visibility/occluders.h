@@ -57,16 +57,18 @@ struct OccluderSet {
   /// What is known of the ground, on a coarse grid of squares from a low corner on.
   struct Ground {
     static constexpr double kSquareM = 2;
-    glm::dvec2 low{0};
+    glm::dvec2 corner{0};
     uint32_t nx = 0, ny = 0;
-    std::vector<float> solid_m;       ///< all of the square is solid up to here; -infinity: it is not
-    std::vector<uint32_t> slip_sums;  ///< places where a ray may slip under it: summed areas, (nx + 1) (ny + 1)
+    std::vector<float> solid_m;  ///< all of the square is solid up to here; -infinity: it is not
+    /// Places where a ray may slip under it, by the way that it goes (+x, -x, +y, -y): summed areas, (nx + 1) (ny + 1).
+    std::array<std::vector<uint32_t>, 4> slip_sums;
     float slips_top_m = -std::numeric_limits<float>::infinity();  ///< only rays below this can
 
     /// The height below which all of the rectangle is solid.
     float solid_below(const Box& rectangle) const;
-    /// Whether rays within the rectangle may meet a slip.
-    bool has_slips(const Box& rectangle) const;
+    /// Whether rays from one box to another may meet a slip: it lies between them (in the hull of their plans), and
+    /// leads their way.
+    bool has_slips(const Box& from, const Box& to) const;
   };
   Ground ground;
 };
