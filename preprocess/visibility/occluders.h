@@ -54,15 +54,23 @@ struct OccluderSet {
     return {points.data() + loop.first_point, loop.point_count};
   }
 
-  /// Places where a ray may slip under the ground, on a coarse grid: counts from the low corner on (summed areas).
-  glm::dvec2 slips_low{0};
-  uint32_t slips_nx = 0, slips_ny = 0;
-  std::vector<uint32_t> slip_sums;                              ///< (nx + 1) (ny + 1)
-  float slips_top_m = -std::numeric_limits<float>::infinity();  ///< the highest of them
-  static constexpr double kSlipTileM = 2;
+  /// What is known of the ground, on a coarse grid of squares from a low corner on.
+  struct Ground {
+    static constexpr double kSquareM = 2;
+    glm::dvec2 corner{0};
+    uint32_t nx = 0, ny = 0;
+    std::vector<float> solid_m;  ///< all of the square is solid up to here; -infinity: it is not
+    /// Places where a ray may slip under it, by the way that it goes (+x, -x, +y, -y): summed areas, (nx + 1) (ny + 1).
+    std::array<std::vector<uint32_t>, 4> slip_sums;
+    float slips_top_m = -std::numeric_limits<float>::infinity();  ///< only rays below this can
 
-  /// Whether a ray that stays within the rectangle and above `lowest_m` may go under the ground.
-  bool may_slip(const Box& rectangle, float lowest_m) const;
+    /// The height below which all of the rectangle is solid.
+    float solid_below(const Box& rectangle) const;
+    /// Whether rays from one box to another may meet a slip: it lies between them (in the hull of their plans), and
+    /// leads their way.
+    bool has_slips(const Box& from, const Box& to) const;
+  };
+  Ground ground;
 };
 
 /// Reads every leaf, some times over, tile by tile on the threads of the arena; memory in proportion to a tile. The
