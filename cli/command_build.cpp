@@ -159,7 +159,7 @@ void add_cell_options(CLI::App& app, VisibilityOptions& o) {
   group->add_option("--smallest-cell", o.smallest_cell_m, "No cell is divided into parts shorter than this, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  group->add_option("--max-cells", o.max_cells, "Most cells, about (0: four a node, 256 to 8192)")
+  group->add_option("--max-cells", o.max_cells, "Most cells, about (0: one a node, 256 to 4096)")
       ->capture_default_str();
   group
       ->add_option_function<double>(

@@ -21,7 +21,9 @@ constexpr uint64_t kVoxels = 8 << 20;  // 72 MiB, within the least memory that a
 constexpr float kSky = 0.25F;
 /// The uniform grid that division starts from takes at most this part of the cells.
 constexpr uint32_t kStartPart = 4;
-constexpr uint32_t kFewestCells = 256, kMostCells = 8192, kCellsPerNode = 4;
+constexpr uint32_t kFewestCells = 256, kMostCells = 4096;
+/// Of each cell whose division is considered: corners of its floor that lie across from each other.
+constexpr size_t kProbes = 2;
 
 Box viewing_space(const Model& model) {
   Box box;
@@ -50,9 +52,8 @@ class Division {
         plan_(viewing_space(reader.model())),
         top_m_(top_of(reader.model())) {
     const uint64_t nodes = reader.model().tables.nodes.size();
-    most_ = options.max_cells != 0
-                ? options.max_cells
-                : static_cast<uint32_t>(std::clamp<uint64_t>(kCellsPerNode * nodes, kFewestCells, kMostCells));
+    most_ = options.max_cells != 0 ? options.max_cells
+                                   : static_cast<uint32_t>(std::clamp<uint64_t>(nodes, kFewestCells, kMostCells));
   }
 
   /// patches: what to divide along; empty: evenly.
@@ -148,9 +149,9 @@ class Division {
     return chosen;
   }
 
-  /// Divides cells where that will help in the end: where from the smallest part of one of its lowest quarters so
-  /// much less is seen. (The paper looks at the cell's own parts. In a city these still see over the roofs where their
-  /// parts, down in a street, do not, and the division would end before it could help.)
+  /// Divides cells where that will help in the end: where from the smallest part of its lowest quarters, of some of
+  /// them, so much less is seen. (The paper looks at the cell's own parts. In a city these still see over the roofs
+  /// where their parts, down in a street, do not, and the division would end before it could help.)
   Status divide(const std::vector<uint32_t>& leaves) {
     std::vector<std::vector<uint32_t>> parts_of;
     std::vector<Box> probes;
@@ -159,8 +160,10 @@ class Division {
       std::vector<uint32_t> parts = plan_.split_octants(leaf);
       mark(parts);
       first_probe.push_back(probes.size());
-      for (const uint32_t part : parts)
-        if (plan_.box_of(part).min.z == plan_.box_of(leaf).min.z) probes.push_back(smallest_part(plan_.box_of(part)));
+      std::vector<uint32_t> lowest = parts;
+      std::erase_if(lowest, [&](uint32_t p) { return plan_.box_of(p).min.z != plan_.box_of(leaf).min.z; });
+      for (size_t k = 0; k < std::min(kProbes, lowest.size()); ++k)
+        probes.push_back(smallest_part(plan_.box_of(k == 0 ? lowest.front() : lowest.back())));
       parts_of.push_back(std::move(parts));
     }
     first_probe.push_back(probes.size());

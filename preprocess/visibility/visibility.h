@@ -35,7 +35,7 @@ struct VisibilityOptions {
   /// has 2; under levels of detail most of what is seen is near, and less is to be gained.
   double cell_gain = 1.25;
   double smallest_cell_m = 4;           ///< no cell is divided whose parts would be shorter than this along every axis
-  uint32_t max_cells = 0;               ///< 0: four a node, 256 to 8192. The largest vLODs are divided first
+  uint32_t max_cells = 0;               ///< 0: one a node, 256 to 4096. The largest vLODs are divided first
   std::optional<double> walk_height_m;  ///< only space this high above what one may stand on; nullopt: up to the sky
   std::vector<DBox> inside;             ///< only space in these boxes, metres, world; empty: everywhere
 };
