@@ -18,7 +18,7 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr uint32_t kNoRegion = 0xffffffffU;
 constexpr size_t kMostTops = 6;      // of an occluder: flat roofs need one, hips some
 constexpr double kLeastGain = 0.01;  // of the volume: what another top must add
-constexpr double kSimplify = 0.4;    // of a column: as ragged as a slanted wall is; and an eighth of the erosion
+constexpr double kLossM = 0.35;      // what may stick out of a wall to be cut off; and a quarter of the erosion
 constexpr float kLeastLoopM = 1.0F;  // smaller loops hide next to nothing
 constexpr double kGroundBlockM = 16;
 
@@ -216,9 +216,9 @@ void TileWork::add_loops(const Region& region, uint32_t number, float top_m,
   for (size_t k = 0; k < OccluderSet::kErosionsM.size(); ++k) {
     const double erosion = double(OccluderSet::kErosionsM[k]);
     const std::vector<Loop> made =
-        loops_at_depth(mask, depths, erosion / grid_.column_m, kSimplify + 0.125 * erosion / grid_.column_m);
+        loops_at_depth(mask, depths, erosion / grid_.column_m, (kLossM + 0.25 * erosion) / grid_.column_m);
     for (const Loop& loop : made) {
-      OccluderLoop entry{top_m, base_m, static_cast<uint32_t>(result_.set.points.size()), 0};
+      OccluderLoop entry{top_m, base_m, static_cast<uint32_t>(result_.set.points.size()), 0, {}, {}};
       Box bounds;
       for (const glm::vec2& p : loop) {
         const glm::vec2 point(low + glm::dvec2(p) * grid_.column_m);
@@ -230,6 +230,7 @@ void TileWork::add_loops(const Region& region, uint32_t number, float top_m,
         continue;
       }
       entry.point_count = static_cast<uint32_t>(loop.size());
+      entry.low = glm::vec2(bounds.min), entry.high = glm::vec2(bounds.max);
       loops[k].push_back(entry);
     }
     if (made.empty()) break;  // deeper there is nothing either

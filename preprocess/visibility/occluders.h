@@ -27,6 +27,7 @@ struct OccluderLoop {
   float top_m = 0;
   float base_m = 0;  ///< -infinity: all the way down
   uint32_t first_point = 0, point_count = 0;
+  glm::vec2 low{0}, high{0};  ///< bounds
 };
 
 /// What hangs together: a building, or a block of them.
@@ -39,8 +40,9 @@ struct Occluder {
 };
 
 struct OccluderSet {
-  /// How far the loops lie within what is solid, metres.
-  static constexpr std::array<float, 9> kErosionsM = {0.005F, 0.05F, 0.125F, 0.25F, 0.5F, 1, 2, 4, 8};
+  /// How far the loops lie within what is solid, metres: halves of a cell's side, and a tenth more for the error of
+  /// what is drawn.
+  static constexpr std::array<float, 9> kErosionsM = {0.005F, 0.05F, 0.14F, 0.28F, 0.55F, 1.1F, 2.2F, 4.4F, 8.8F};
 
   std::vector<Occluder> occluders;
   std::vector<OccluderLoop> loops;

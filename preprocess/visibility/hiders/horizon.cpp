@@ -23,6 +23,7 @@ namespace {
 
 constexpr int kMostHalvings = 6;  // measured: see bench_hiders
 constexpr float kSmallestSegmentM = 0.2F;
+constexpr int kFirstLook = 2;        // halvings before which corners and middles have been looked from already
 constexpr size_t kFewTargets = 500;  // more are looked at node by node
 constexpr uint32_t kErrorGrid = 64;  // cells a side of the map of errors
 
@@ -222,7 +223,11 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
     if (loops.empty() || !horizon_.worth_adding(usable.occluder->box)) continue;
     Box clear = cell_;
     clear.min -= levels[level], clear.max += levels[level];
-    for (const OccluderLoop& loop : loops) horizon_.add(set_.points_of(loop), loop.top_m - usable.error_m, clear);
+    for (const OccluderLoop& loop : loops) {
+      const float top_m = loop.top_m - usable.error_m;
+      if (loops.size() == 1 || horizon_.worth_adding({{loop.low, top_m}, {loop.high, top_m}}))
+        horizon_.add(set_.points_of(loop), top_m, clear);
+    }
   }
 }
 
@@ -267,9 +272,11 @@ void CellWork::prove(const glm::dvec3& from, const glm::dvec3& to, Targets targe
   targets = not_hidden(targets);
   if (targets.empty()) return;
   if (halvings == kMostHalvings || 2 * half <= kSmallestSegmentM) return keep(targets);
-  fill_horizon(middle, targets, 0);
-  keep_seen(targets);
-  targets = still_open(targets);
+  if (halvings >= kFirstLook) {
+    fill_horizon(middle, targets, 0);
+    keep_seen(targets);
+    targets = still_open(targets);
+  }
   prove(from, middle, targets, halvings + 1);
   prove(middle, to, targets, halvings + 1);
 }
