@@ -45,6 +45,7 @@ Status run_build(const BuildOptions& options, JobMonitor& monitor, Json& figures
              {"units_resumed", made->units_resumed},
              {"cells", made->visibility.cells},
              {"cells_style", name_of(made->visibility.style)},
+             {"roofed_share", made->visibility.roofed_share},
              {"vlod_nodes_mean", made->visibility.vlod_nodes_mean},
              {"vlod_triangles_mean", made->visibility.vlod_triangles_mean},
              {"front_nodes_mean", made->visibility.front_nodes_mean},

@@ -231,7 +231,7 @@ Result<ViewVolume> volume_of(const ModelReader& reader, const VisibilityOptions&
 }
 
 CellStyle style_of(const VisibilityOptions& options, const ViewVolume& volume) {
-  constexpr double kIndoors = 0.5;
+  constexpr double kIndoors = 0.1;
   if (options.cells != CellStyle::automatic) return options.cells;
   return volume.roofed_share() > kIndoors ? CellStyle::kd : CellStyle::octree;
 }
@@ -279,6 +279,7 @@ Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hide
   Visibility made = division.result(bound);
   made.figures = figures_of(made, units.counts());
   made.figures.style = style;
+  made.figures.roofed_share = volume->roofed_share();
   return made;
 }
 

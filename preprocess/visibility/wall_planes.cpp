@@ -72,12 +72,14 @@ class WallSplitter {
     std::vector<uint32_t> inside;
     for (const uint32_t i : above)
       if (patches_[i].extent.overlaps(box)) inside.push_back(i);
-    const Plane best = best_plane(box, inside);
-    if (depth == options_.deepest || best.cover < options_.least_cover) {
+    std::optional<Plane> best;
+    if (depth < options_.deepest) best = best_plane(box, inside);
+    if (best && best->cover < options_.least_cover) best = widest_margin(box, inside);
+    if (!best) {
       leaves_.push_back(leaf);
       return;
     }
-    plan_.split(leaf, best.axis, best.at_m);
+    plan_.split(leaf, best->axis, best->at_m);
     const uint32_t below_part = plan_.below(leaf), above_part = plan_.above(leaf);
     split(below_part, inside, depth + 1);
     split(above_part, inside, depth + 1);
@@ -103,6 +105,32 @@ class WallSplitter {
       if (cover > best.cover) best = {patch.axis, patch.at_m, cover};
     }
     return best;
+  }
+
+  /// Where the surfaces between the box's faces end, on the side that has most space beside them.
+  std::optional<Plane> widest_margin(const Box& box, const std::vector<uint32_t>& inside) const {
+    Box surfaces;
+    for (const uint32_t i : inside) {
+      const AxialPatch& patch = patches_[i];
+      const int a = static_cast<int>(patch.axis);
+      if (patch.at_m - box.min[a] >= options_.thinnest_m && box.max[a] - patch.at_m >= options_.thinnest_m)
+        surfaces.add(Box{glm::max(patch.extent.min, box.min), glm::min(patch.extent.max, box.max)});
+    }
+    if (surfaces.empty()) return std::nullopt;
+    std::optional<Plane> widest;
+    double most = options_.least_margin;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+      const int a = static_cast<int>(axis);
+      for (const bool upper : {false, true}) {
+        const float at_m = upper ? surfaces.max[a] : surfaces.min[a];
+        const float margin_m = upper ? box.max[a] - at_m : at_m - box.min[a];
+        const double share = double(margin_m) / double(box.size()[a]);
+        if (share <= most || margin_m < options_.thinnest_m || box.size()[a] - margin_m < options_.thinnest_m) continue;
+        most = share;
+        widest = Plane{axis, at_m, 0};
+      }
+    }
+    return widest;
   }
 
   /// A patch's area in the box, as if it lay evenly in its extent.

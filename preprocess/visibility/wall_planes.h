@@ -27,11 +27,15 @@ struct WallSplitOptions {
   /// walls with many doors do not.
   double least_cover = 0.25;
   float thinnest_m = 0.04F;  ///< no part is thinner: walls are, their paint is not
-  int deepest = 48;          ///< halvings
+  /// Empty space beside the surfaces in a box is cut off where it is more than this part of the box's length: the air
+  /// around a house, in which its walls would cover little.
+  double least_margin = 0.05;
+  int deepest = 48;  ///< halvings
 };
 
-/// Splits a leaf of the plan, and its parts, at the plane that is covered most, until none is covered enough. Returns
-/// the leaves below. Source: [funkhouser1993] section 3.2.1: "along the major opaque elements in the model".
+/// Splits a leaf of the plan, and its parts, at the plane that is covered most; where none is covered enough, where the
+/// surfaces in it end; until neither is left. Returns the leaves below. Source: [funkhouser1993] section 3.2.1: "along
+/// the major opaque elements in the model".
 std::vector<uint32_t> split_along_walls(CellPlan& plan, uint32_t leaf, const std::vector<AxialPatch>& patches,
                                         const WallSplitOptions& options);
 

@@ -108,7 +108,7 @@ struct Street : Forest {
   Street() {
     grow(root({{10, -8, -1}, {10.5F, 8, 1}}, 2), 3, 2);
     tables = three_cells();
-    vlods = {{NodeId{2}, NodeId{3}, NodeId{7}}, {}, {}};
+    vlods = {{NodeId{2}, NodeId{4}, NodeId{10}}, {}, {}};
   }
   const CellTables* cells() const override { return has_cells ? &tables : nullptr; }
   uint32_t vlod_nodes(CellId cell) const override { return static_cast<uint32_t>(vlods[index_of(cell)].size()); }
@@ -194,7 +194,7 @@ struct StreetView {
 
 TEST(Vlod, draws_exactly_the_cells_vlod) {
   StreetView choose;
-  EXPECT_THAT(choose(Policy::vlod).front, UnorderedElementsAre(NodeId{2}, NodeId{3}, NodeId{7}));
+  EXPECT_THAT(choose(Policy::vlod).front, UnorderedElementsAre(NodeId{2}, NodeId{4}, NodeId{10}));
   EXPECT_EQ(choose.selection.nodes_missing, 0U);
 }
 
@@ -206,8 +206,8 @@ TEST(Vlod, does_not_ask_for_what_is_hidden) {
 
 TEST(Vlod, missing_node_shows_its_nearest_resident_ancestor) {
   StreetView choose;
-  choose.resident[3] = 0;
-  const NodeId parent = choose.model.model().tables.nodes[3].parent;
+  choose.resident[4] = 0;
+  const NodeId parent = choose.model.model().tables.nodes[4].parent;
   const Selection& selection = choose(Policy::vlod);
   EXPECT_THAT(selection.front, testing::Contains(parent));
   EXPECT_EQ(selection.nodes_missing, 1U);
@@ -281,7 +281,7 @@ const FrameCallback nothing_there = [](const FrameRow&, Renderer&) -> Status { r
 
 TEST(FlightThroughCells, counts_cells_crossed_and_what_steps_cost) {
   Street model;
-  model.vlods[1] = {NodeId{4}};
+  model.vlods[1] = {NodeId{6}};
   NullRenderer renderer;
   JobMonitor monitor;
   const Result<FlightReport> report = fly(model, renderer, walk(), stepped(Policy::vlod), nothing_there, monitor);
