@@ -22,8 +22,6 @@ constexpr float kSky = 0.25F;
 /// The uniform grid that division starts from takes at most this part of the cells.
 constexpr uint32_t kStartPart = 4;
 constexpr uint32_t kFewestCells = 256, kMostCells = 4096;
-/// Of each cell whose division is considered: corners of its floor that lie across from each other.
-constexpr size_t kProbes = 2;
 
 Box viewing_space(const Model& model) {
   Box box;
@@ -59,9 +57,8 @@ class Division {
   /// patches: what to divide along; empty: evenly.
   Status run(const std::vector<AxialPatch>& patches) {
     const std::vector<uint32_t> start = patches.empty() ? start_grid() : start_rooms(patches);
-    PROMENADE_TRY(evaluate(start));
-    for (const uint32_t leaf : start) open_.push_back(leaf);
     cells_ = start.size();
+    PROMENADE_TRY(evaluate(start));
     while (true) {
       const std::vector<uint32_t> chosen = choose();
       if (chosen.empty()) return Done{};
@@ -123,68 +120,57 @@ class Division {
     return box.size()[box.longest_axis()] >= 2 * static_cast<float>(options_.smallest_cell_m);
   }
 
+  /// Computes what new cells see and, for those that may be divided, what the smallest of their parts sees, to foretell
+  /// whether that helps. (The paper divides and looks at the parts. In a city these still see over the roofs where
+  /// their parts, down in a street, do not, and division would end before it could help.)
   Status evaluate(const std::vector<uint32_t>& leaves) {
     std::vector<Box> boxes;
     for (const uint32_t leaf : leaves) boxes.push_back(plan_.cell_of(leaf));
-    Result<std::vector<CodedVlod>> made = units_.run(fmt::format("{:03}", round_++), boxes);
+    std::vector<uint32_t> probed;
+    for (const uint32_t leaf : leaves)
+      if (divisible(leaf)) {
+        probed.push_back(leaf);
+        boxes.push_back(smallest_part(plan_.box_of(leaf)));
+      }
+    const Result<std::vector<CodedVlod>> made = units_.run(fmt::format("{:03}", round_++), boxes);
     if (!made.ok()) return made.error();
-    for (size_t i = 0; i < leaves.size(); ++i) vlods_[leaves[i]] = std::move((*made)[i]);
+    for (size_t i = 0; i < leaves.size(); ++i) vlods_[leaves[i]] = (*made)[i];
+    for (size_t i = 0; i < probed.size(); ++i) {
+      const uint64_t sees = vlods_[probed[i]].triangles, least = (*made)[leaves.size() + i].triangles;
+      if (sees > options_.cell_triangles && double(sees) > options_.cell_gain * double(least))
+        open_.push_back({sees - least, probed[i]});
+    }
     return Done{};
   }
 
-  /// The cells to divide next: those that see most, as many as half of what may still be made, so that their parts
-  /// compete with the rest.
+  /// The cells to divide next: those from which division takes most away, as many as half of what may still be made, so
+  /// that their parts compete with the rest.
   std::vector<uint32_t> choose() {
-    std::erase_if(
-        open_, [this](uint32_t leaf) { return vlods_[leaf].triangles <= options_.cell_triangles || !divisible(leaf); });
-    std::sort(open_.begin(), open_.end(), [this](uint32_t a, uint32_t b) {
-      const uint64_t of_a = vlods_[a].triangles, of_b = vlods_[b].triangles;
-      return of_a != of_b ? of_a > of_b : a < b;
-    });
+    std::sort(open_.begin(), open_.end(),
+              [](const Open& a, const Open& b) { return a.gain != b.gain ? a.gain > b.gain : a.leaf < b.leaf; });
     constexpr size_t kParts = 8;
     const size_t left = most_ > cells_ ? (most_ - cells_) / (kParts - 1) : 0;
     const size_t count = std::min(open_.size(), (left + 1) / 2);
-    std::vector<uint32_t> chosen(open_.begin(), open_.begin() + static_cast<std::ptrdiff_t>(count));
+    std::vector<uint32_t> chosen;
+    for (size_t i = 0; i < count; ++i) chosen.push_back(open_[i].leaf);
     open_.erase(open_.begin(), open_.begin() + static_cast<std::ptrdiff_t>(count));
     return chosen;
   }
 
-  /// Divides cells where that will help in the end: where from the smallest part of its lowest quarters, of some of
-  /// them, so much less is seen. (The paper looks at the cell's own parts. In a city these still see over the roofs
-  /// where their parts, down in a street, do not, and the division would end before it could help.)
   Status divide(const std::vector<uint32_t>& leaves) {
-    std::vector<std::vector<uint32_t>> parts_of;
-    std::vector<Box> probes;
-    std::vector<size_t> first_probe;
+    std::vector<uint32_t> all;
     for (const uint32_t leaf : leaves) {
       std::vector<uint32_t> parts = plan_.split_octants(leaf);
       mark(parts);
-      first_probe.push_back(probes.size());
-      std::vector<uint32_t> lowest = parts;
-      std::erase_if(lowest, [&](uint32_t p) { return plan_.box_of(p).min.z != plan_.box_of(leaf).min.z; });
-      for (size_t k = 0; k < std::min(kProbes, lowest.size()); ++k)
-        probes.push_back(smallest_part(plan_.box_of(k == 0 ? lowest.front() : lowest.back())));
-      parts_of.push_back(std::move(parts));
-    }
-    first_probe.push_back(probes.size());
-    const Result<std::vector<CodedVlod>> probed = units_.run(fmt::format("{:03}-probes", round_), probes);
-    if (!probed.ok()) return probed.error();
-
-    std::vector<uint32_t> all;
-    for (size_t i = 0; i < leaves.size(); ++i) {
-      uint64_t least = ~uint64_t(0);
-      for (size_t k = first_probe[i]; k < first_probe[i + 1]; ++k) least = std::min(least, (*probed)[k].triangles);
-      if (least == ~uint64_t(0) || double(vlods_[leaves[i]].triangles) <= options_.cell_gain * double(least)) {
-        plan_.merge(leaves[i]);
+      if (parts.empty()) {
+        plan_.merge(leaf);
         continue;
       }
-      vlods_.erase(leaves[i]);
-      all.insert(all.end(), parts_of[i].begin(), parts_of[i].end());
-      cells_ += parts_of[i].size() - 1;
+      vlods_.erase(leaf);
+      cells_ += parts.size() - 1;
+      all.insert(all.end(), parts.begin(), parts.end());
     }
-    PROMENADE_TRY(evaluate(all));
-    open_.insert(open_.end(), all.begin(), all.end());
-    return Done{};
+    return evaluate(all);
   }
 
   /// The part that halving would reach in the end, on the way always the lowest in which somebody may stand, and of
@@ -214,7 +200,11 @@ class Division {
   size_t cells_ = 0;
   uint32_t round_ = 0;
   std::map<uint32_t, CodedVlod> vlods_;  ///< by leaf of the plan
-  std::vector<uint32_t> open_;           ///< leaves that may be divided further
+  struct Open {
+    uint64_t gain = 0;  ///< triangles
+    uint32_t leaf = 0;
+  };
+  std::vector<Open> open_;  ///< leaves whose division helps
 };
 
 Result<ViewVolume> volume_of(const ModelReader& reader, const VisibilityOptions& options, JobMonitor& monitor) {

@@ -31,11 +31,11 @@ struct VisibilityOptions {
   ErrorAt error_at = ErrorAt::center;
   /// Most triangles of a vLOD that is not divided further. Smaller: more cells, less drawn.
   uint64_t cell_triangles = 100000;
-  /// A cell is divided when it sees more than this many times what its smallest parts see. [chhugani2003] section 2.1
-  /// has 2; under levels of detail most of what is seen is near, and less is to be gained.
+  /// A cell is divided when it sees more than this many times what the smallest of its parts sees. [chhugani2003]
+  /// section 2.1 has 2; under levels of detail most of what is seen is near, and less is to be gained.
   double cell_gain = 1.25;
   double smallest_cell_m = 4;           ///< no cell is divided whose parts would be shorter than this along every axis
-  uint32_t max_cells = 0;               ///< 0: one a node, 256 to 4096. The largest vLODs are divided first
+  uint32_t max_cells = 0;               ///< 0: one a node, 256 to 4096. Those that gain most are divided first
   std::optional<double> walk_height_m;  ///< only space this high above what one may stand on; nullopt: up to the sky
   std::vector<DBox> inside;             ///< only space in these boxes, metres, world; empty: everywhere
 };
@@ -71,9 +71,10 @@ struct Visibility {
 };
 
 /// Divides viewing space, evenly or along walls, and computes what is seen from each part. Cells that see more than
-/// cell_triangles are divided, largest first, while that helps: while that many times less is seen from the smallest
-/// part. hash: of the model's bytes and all that hiders depend on. Same result at any thread count and after any
-/// interruption. Errors: reading the model, a hider's, the disk's, cancellation. Source: [chhugani2003] section 2.1.
+/// cell_triangles are divided, those first where it takes most away, while it helps: while cell_gain times less is seen
+/// from the smallest part. hash: of the model's bytes and all that hiders depend on. Same result at any thread count
+/// and after any interruption. Errors: reading the model, a hider's, the disk's, cancellation. Source: [chhugani2003]
+/// section 2.1.
 Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const VisibilityOptions& options,
                                       uint64_t hash, const WorkFolder& folder, JobMonitor& monitor);
 
