@@ -51,7 +51,7 @@ Command add_view(CLI::App& program) {
   app->add_option("--folder", arguments->folder, "Where screenshots and recorded paths go")->capture_default_str();
   add_camera_options(*app, arguments->view);
   add_renderer_option(*app, arguments->view);
-  add_policy_options(*app, arguments->view, Policy::time_slices, uint64_t(256) << 20);
+  add_policy_options(*app, arguments->view, Policy::vlod_time_slices, uint64_t(256) << 20);
   app->footer(
       "Keys: left mouse button look; W A S D, arrows, space, C move; Q E roll; wheel speed; F straighten; H panel; P "
       "screenshot;\n"

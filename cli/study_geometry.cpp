@@ -4,11 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "cli/console.h"
+#include "layout/model_io.h"
 
 namespace promenade {
 namespace {
+
+struct StudyGeometryOptions {
+  std::filesystem::path model;
+  uint32_t nodes = 1000;  ///< how many nodes are coded, evenly spread over the model's; more: slower, steadier figures
+};
 
 /// One node as it is stored.
 struct Sample {
@@ -131,8 +138,9 @@ Result<Json> measure_parts(const Way& way, std::vector<Sample> samples) {
   return parts;
 }
 
-}  // namespace
-
+/// Codes nodes anew with every codec and, around the grid that each node is stored on, finer and coarser grids; prints
+/// a table and fills `figures`: `codecs` (a row for each, the model's own marked default), `parts` (what the model's
+/// own way spends on positions and triangles, normals, texture coordinates, colours and materials).
 Status study_geometry(const ModelReader& reader, const StudyGeometryOptions& options, JobMonitor& monitor,
                       Json& figures) {
   const Result<std::vector<Sample>> samples = read_samples(reader, options.nodes);
@@ -170,6 +178,22 @@ Status study_geometry(const ModelReader& reader, const StudyGeometryOptions& opt
   for (const auto& [part, bits] : parts->items()) fmt::print("  {:<26} {:>8.2f} bits\n", part, bits.get<double>());
   figures["parts"] = std::move(*parts);
   return Done{};
+}
+
+}  // namespace
+
+Command add_study_geometry(CLI::App& study) {
+  auto options = std::make_shared<StudyGeometryOptions>();
+  CLI::App* app = study.add_subcommand("geometry", "Codecs and grids of the nodes' meshes: bits, speed, rounding");
+  app->add_option("MODEL", options->model, "A directory that build made")->required();
+  app->add_option("--nodes", options->nodes, "How many nodes to code, evenly spread")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  return {app, {}, [options](JobMonitor& monitor, Json& figures) -> Status {
+            const Result<ModelReader> reader = ModelReader::open(options->model);
+            if (!reader) return reader.error();
+            return study_geometry(*reader, *options, monitor, figures);
+          }};
 }
 
 }  // namespace promenade
