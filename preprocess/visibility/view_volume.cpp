@@ -39,7 +39,7 @@ class Surveyor {
     open_from_the_top();
     judge_the_rest();
     find_lowest_open();
-    PROMENADE_TRY(for_each_leaf([this](const Mesh& mesh) { lower_floors(mesh); }));
+    PROMENADE_TRY(for_each_leaf([this](const Mesh& mesh) { raise_floors(mesh); }));
     return ViewVolume(grid_, std::move(kinds_), std::move(floors_m_));
   }
 
@@ -163,8 +163,9 @@ class Surveyor {
       if (kinds_[i] == Kind::open) lowest_open_[i % columns] = static_cast<int>(i / columns);
   }
 
-  /// A triangle that faces up is ground for the columns whose lowest open cube is right above it.
-  void lower_floors(const Mesh& mesh) {
+  /// A triangle that faces up is ground for the columns whose lowest open cube is right above it, the highest such
+  /// triangle: below it there may be the tops of foundations.
+  void raise_floors(const Mesh& mesh) {
     for (size_t t = 0; t < mesh.triangle_count(); ++t) {
       const Corners p = corners_of(mesh, t);
       if (glm::cross(p[1] - p[0], p[2] - p[0]).z <= 0) continue;
@@ -175,7 +176,7 @@ class Surveyor {
         const float floor_m = std::max(lowest_m, grid_.box.min.z + float(at.z) * grid_.step_m);
         std::atomic_ref<float> floor(floors_m_[column(at)]);
         float known = floor.load(std::memory_order_relaxed);
-        while (floor_m < known && !floor.compare_exchange_weak(known, floor_m, std::memory_order_relaxed)) {
+        while (floor_m > known && !floor.compare_exchange_weak(known, floor_m, std::memory_order_relaxed)) {
         }
       });
     }
@@ -223,26 +224,26 @@ bool ViewVolume::holds_open(const Box& box) const {
 }
 
 double ViewVolume::roofed_share() const {
-  uint64_t roofed = 0, open = 0;
+  uint64_t open = 0, all = 0;
   std::vector<uint8_t> roof(size_t(grid_.count.x) * size_t(grid_.count.y), 0);
-  bool below_top = false;
   for (size_t i = kinds_.size(); i-- > 0;) {
     uint8_t& above = roof[i % roof.size()];
-    if (kinds_[i] == Kind::surface) above = 1, below_top = true;
-    if (kinds_[i] != Kind::open || !below_top) continue;
-    ++open;
-    roofed += above;
+    if (kinds_[i] == Kind::surface) above = 1;
+    if (kinds_[i] == Kind::surface || above == 0) continue;
+    ++all;
+    open += kinds_[i] == Kind::open ? 1U : 0U;
   }
-  return open > 0 ? double(roofed) / double(open) : 0;
+  return all > 0 ? double(open) / double(all) : 0;
 }
 
 Box ViewVolume::above_ground(const Box& box) const {
   const glm::vec3 rim(grid_.step_m * 1e-3F);
   const glm::ivec3 low = grid_.clamped(grid_.place(box.min + rim)), high = grid_.clamped(grid_.place(box.max - rim));
-  float floor_m = kNoFloor;
+  float floor_m = box.max.z;
   for (int y = low.y; y <= high.y; ++y)
     for (int x = low.x; x <= high.x; ++x)
-      floor_m = std::min(floor_m, floors_m_[size_t(y) * size_t(grid_.count.x) + size_t(x)]);
+      if (const float here_m = floors_m_[size_t(y) * size_t(grid_.count.x) + size_t(x)]; here_m != kNoFloor)
+        floor_m = std::min(floor_m, here_m);
   Box above = box;
   if (floor_m > box.min.z && floor_m < box.max.z) above.min.z = floor_m;
   return above;

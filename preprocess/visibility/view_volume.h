@@ -20,11 +20,11 @@ class ViewVolume {
  public:
   enum class Kind : uint8_t { unknown, surface, open, solid };  ///< unknown: nobody is to stand there
 
-  /// floors_m: by column (x, then y): the height of the ground below the lowest open cube, at its lowest within the
-  /// column; kNoFloor where there is none.
+  /// floors_m: by column (x, then y): the height of the ground below the lowest open cube; kNoFloor where there is
+  /// none.
   ViewVolume(const VoxelGrid& grid, std::vector<Kind> kinds, std::vector<float> floors_m)
       : grid_(grid), kinds_(std::move(kinds)), floors_m_(std::move(floors_m)) {}
-  static constexpr float kNoFloor = std::numeric_limits<float>::max();
+  static constexpr float kNoFloor = std::numeric_limits<float>::lowest();
 
   const VoxelGrid& grid() const { return grid_; }
   Kind kind(const glm::ivec3& at) const { return kinds_[grid_.index(at)]; }
@@ -34,8 +34,8 @@ class ViewVolume {
   bool is_open(const Box& box) const;
   /// The same without the surfaces' cubes: for boxes between walls, which the surfaces bound.
   bool holds_open(const Box& box) const;
-  /// The part of the open space below the model's highest surface that has a surface above it: near 1 in a building,
-  /// near 0 in a city.
+  /// The part of the space below surfaces that is open: near 1 in a building, near 0 among solid houses and on a
+  /// landscape.
   double roofed_share() const;
   /// The box without what of it lies below all ground in it: nobody stands there, and from there one would see under
   /// everything. Not empty.

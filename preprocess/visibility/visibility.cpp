@@ -221,7 +221,7 @@ Result<ViewVolume> volume_of(const ModelReader& reader, const VisibilityOptions&
 }
 
 CellStyle style_of(const VisibilityOptions& options, const ViewVolume& volume) {
-  constexpr double kIndoors = 0.1;
+  constexpr double kIndoors = 0.5;
   if (options.cells != CellStyle::automatic) return options.cells;
   return volume.roofed_share() > kIndoors ? CellStyle::kd : CellStyle::octree;
 }

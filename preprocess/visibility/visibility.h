@@ -17,7 +17,7 @@ namespace promenade {
 /// How viewing space is divided.
 enum class CellStyle : uint8_t {
   none,       ///< not at all: the tree alone serves
-  automatic,  ///< kd where a tenth of the space has a roof above it, else octree
+  automatic,  ///< kd where most of the space under roofs is open: rooms; else octree
   octree,     ///< halves along every axis: for cities and landscapes
   kd,         ///< along walls, floors and ceilings: for the inside of buildings
 };
@@ -59,7 +59,7 @@ struct VisibilityFigures {
   double vlod_nodes_mean = 0, vlod_triangles_mean = 0;
   double front_nodes_mean = 0, front_triangles_mean = 0;  ///< before hiding
   CellStyle style = CellStyle::none;                      ///< what automatic came to
-  double roofed_share = 0;                                ///< of the space below the highest surface: has a roof above
+  double roofed_share = 0;                                ///< of the space under roofs: what is open
   double ms_per_cell = 0;                                 ///< of one core
   CellUnitCounts units;
 };

@@ -25,7 +25,7 @@ Result<std::vector<AxialPatch>> find_axial_patches(const ModelReader& reader, Jo
 struct WallSplitOptions {
   /// A plane splits a box when this part of the box's cross-section is surface. Less: furniture splits rooms; more:
   /// walls with many doors do not.
-  double least_cover = 0.25;
+  double least_cover = 0.4;
   float thinnest_m = 0.04F;  ///< no part is thinner: walls are, their paint is not
   /// Empty space beside the surfaces in a box is cut off where it is more than this part of the box's length: the air
   /// around a house, in which its walls would cover little.
