@@ -103,8 +103,8 @@ std::vector<Situation> situations() {
   all.push_back({"two_houses_wall_to_wall_leave_a_slit_in_doubt",
                  {ground, {"left", wall(8, -30, 20, 0)}, {"right", wall(8, 0, 20, 30)}, {"thing", thing_at(40, 0)}},
                  kCell,
-                 {"thing"},
-                 {}});
+                 {},
+                 {"thing"}});
   all.push_back({"two_houses_together_hide_what_neither_does",
                  {ground, {"near", wall(8, -14, 12, 1)}, {"far", wall(16, -1, 22, 20)}, {"thing", thing_at(45, 0)}},
                  kCell,
