@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -51,17 +52,69 @@ RasterView random_view(const glm::dvec3& eye, uint32_t px, Numbers& numbers) {
   return perspective_view(camera, glm::dvec3(0));
 }
 
+/// What a ray meets first when everything is drawn at full detail.
+class FullDetail {
+ public:
+  FullDetail(const NodeMeshes& meshes, std::span<const NodeId> front) : meshes_(meshes), front_(front) {}
+
+  /// The node of the front that stands for what is met: an index into the front, or none.
+  Result<std::optional<size_t>> first_on(const RasterView& view, uint32_t x, uint32_t y) {
+    RasterView ray = view;  // a picture of one pixel around the ray
+    ray.forward = glm::normalize(ray_direction(view, x + 0.5, y + 0.5));
+    ray.right = glm::normalize(glm::cross(ray.forward, view.up));
+    ray.up = glm::cross(ray.right, ray.forward);
+    ray.width_px = ray.height_px = 1;
+    const Model& model = meshes_.model().model();
+    std::vector<NodeId> leaves, open = model.tables.roots;
+    while (!open.empty()) {
+      const NodeId id = open.back();
+      open.pop_back();
+      const NodeRecord& node = model.tables.nodes[index_of(id)];
+      if (!meets(node.box.grown(0.01F), ray.eye, ray.forward)) continue;
+      if (node.child_count == 0) leaves.push_back(id);
+      for (const NodeId child : model.children_of(id)) open.push_back(child);
+    }
+    const Result<HeldNodes> held = hold_nodes(meshes_, leaves);
+    if (!held) return held.error();
+    PROMENADE_TRY(buffer_.draw(ray, held->items));
+    const uint32_t item = buffer_.item(0, 0);
+    if (item == kNoTriangle) return std::optional<size_t>();
+    for (NodeId id = leaves[item]; id != kNoNode; id = model.tables.nodes[index_of(id)].parent)
+      if (const auto at = std::lower_bound(front_.begin(), front_.end(), id); at != front_.end() && *at == id)
+        return std::optional<size_t>(static_cast<size_t>(at - front_.begin()));
+    return std::optional<size_t>();
+  }
+
+ private:
+  static bool meets(const Box& box, const glm::dvec3& eye, const glm::dvec3& way) {
+    double first = 0, last = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = (double(box.min[axis]) - eye[axis]) / way[axis],
+                   b = (double(box.max[axis]) - eye[axis]) / way[axis];
+      if (std::isnan(a) || std::isnan(b)) continue;  // along a face of the box
+      first = std::max(first, std::min(a, b)), last = std::min(last, std::max(a, b));
+    }
+    return first <= last;
+  }
+
+  const NodeMeshes& meshes_;
+  std::span<const NodeId> front_;
+  VisibilityBuffer buffer_;
+};
+
 class CellLooks {
  public:
-  CellLooks(const Box& cell, HeldNodes held, std::span<const NodeId> front, std::span<const uint8_t> hidden,
-            const LookOptions& options)
+  CellLooks(const Box& cell, HeldNodes held, const NodeMeshes& meshes, std::span<const NodeId> front,
+            std::span<const uint8_t> hidden, const LookOptions& options)
       : cell_(cell),
         held_(std::move(held)),
 
         hidden_(hidden),
+        full_(meshes, front),
         options_(options),
         numbers_(seed_of(options.seed, cell)) {
     looks_.pixels_of.assign(front.size(), 0);
+    looks_.truly_seen.assign(front.size(), 0);
     for (const RasterItem& item : held_.items) touched_ |= item.mesh->box.overlaps(cell);
   }
 
@@ -137,7 +190,9 @@ class CellLooks {
         const uint32_t item = buffer_.item(x, y);
         if (item == kNoTriangle) continue;
         ++looks_.pixels_of[item];
-        if (!hidden_.empty() && hidden_[item] != 0) ++wrong;
+        if (hidden_.empty() || hidden_[item] == 0) continue;
+        ++wrong;
+        PROMENADE_TRY(explain(view, x, y, item));
       }
     ++looks_.views;
     looks_.pixels += uint64_t(view.width_px) * view.height_px;
@@ -145,10 +200,22 @@ class CellLooks {
     return Done{};
   }
 
+  Status explain(const RasterView& view, uint32_t x, uint32_t y, uint32_t item) {
+    if (looks_.truly_seen[item] != 0) return Done{};
+    const Result<std::optional<size_t>> met = full_.first_on(view, x, y);
+    if (!met) return met.error();
+    if (met->has_value() && hidden_[**met] == 0)
+      ++looks_.crack_pixels;
+    else
+      looks_.truly_seen[item] = 1;
+    return Done{};
+  }
+
   enum class Free : uint8_t { unknown, yes, no };
   Box cell_;
   HeldNodes held_;
   std::span<const uint8_t> hidden_;
+  FullDetail full_;
   LookOptions options_;
   Numbers numbers_;
   bool touched_ = false;  ///< some box of a node reaches into the cell
@@ -163,7 +230,7 @@ Result<Looks> look_from_cell(const NodeMeshes& meshes, const Box& cell, std::spa
                              std::span<const uint8_t> hidden, const LookOptions& options) {
   Result<HeldNodes> held = hold_nodes(meshes, front);
   if (!held) return held.error();
-  return CellLooks(cell, std::move(*held), front, hidden, options).run();
+  return CellLooks(cell, std::move(*held), meshes, front, hidden, options).run();
 }
 
 CellVerdict judge(const Model& model, std::span<const NodeId> front, std::span<const uint8_t> hidden,
@@ -176,7 +243,9 @@ CellVerdict judge(const Model& model, std::span<const NodeId> front, std::span<c
     if (kept) verdict.kept_triangles += triangles, ++verdict.kept_nodes;
     if (seen) verdict.seen_triangles += triangles, ++verdict.seen_nodes;
     if (seen && !kept) ++verdict.false_hidden_nodes, verdict.false_hidden_pixels += looks.pixels_of[i];
+    if (!kept && looks.truly_seen[i] != 0) ++verdict.missed_nodes;
   }
+  verdict.missed_pixels = verdict.false_hidden_pixels - std::min(looks.crack_pixels, verdict.false_hidden_pixels);
   return verdict;
 }
 

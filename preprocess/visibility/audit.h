@@ -28,6 +28,11 @@ struct Looks {
   /// The view with the most pixels of nodes that are hidden (and how many): a picture of it explains a miss.
   RasterView worst;
   uint64_t worst_pixels = 0;
+  /// Pixels that show a hidden node only because what is drawn has a crack there: at full detail, the same ray ends
+  /// before, on a node that is kept.
+  uint64_t crack_pixels = 0;
+  /// By item of the front: shown at a pixel that no crack explains.
+  std::vector<uint8_t> truly_seen;
 };
 
 /// Draws the front without hiding anything. hidden (may be empty): marks what must not be seen, for `worst`. Eyes: 0
@@ -39,7 +44,8 @@ Result<Looks> look_from_cell(const NodeMeshes& meshes, const Box& cell, std::spa
 struct CellVerdict {
   uint64_t front_triangles = 0, kept_triangles = 0, seen_triangles = 0;
   uint64_t front_nodes = 0, kept_nodes = 0, seen_nodes = 0;
-  uint64_t false_hidden_nodes = 0, false_hidden_pixels = 0;
+  uint64_t false_hidden_nodes = 0, false_hidden_pixels = 0;  ///< all
+  uint64_t missed_nodes = 0, missed_pixels = 0;              ///< of these, what no crack explains
 };
 CellVerdict judge(const Model& model, std::span<const NodeId> front, std::span<const uint8_t> hidden,
                   const Looks& looks);

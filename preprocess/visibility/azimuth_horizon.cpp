@@ -102,18 +102,24 @@ struct AzimuthHorizon::Walk {
     }
     const double foot = -glm::dot(a, along) / (length * length);  // where the eye is nearest to the line
     double t = 0, r = glm::length(a);
+    const std::vector<glm::dvec2>& ways = boundaries();
     const auto advance = [&](double to, double r_to) {
       const double least = t <= foot && foot <= to ? off_m : std::min(r, r_to);
       nearest_m = std::min(nearest_m, least), farthest_m = std::max({farthest_m, r, r_to});
       t = to, r = r_to;
     };
     for (; steps > 0; --steps) {
-      const glm::dvec2& way = boundaries()[ccw ? (bin + 1) & kBinMask : bin];
+      const uint32_t next = (ccw ? bin + 1 : bin - 1) & kBinMask;
+      if (!horizon.wanted(bin, 1) && !horizon.wanted(next, 1)) {
+        bin = next, entered = false, ++events;
+        continue;
+      }
+      const glm::dvec2& way = ways[ccw ? next : bin];
       // a + s along lies on the way: cross(a, way) + s cross(along, way) = 0
       const double s = std::clamp(-cross(a, way) / cross(along, way), t, 1.0);
       advance(s, glm::length(a + along * s));
       if (entered) horizon.commit(bin, nearest_m, farthest_m);
-      bin = (ccw ? bin + 1 : bin - 1) & kBinMask;
+      bin = next;
       entered = true, ++events;
       nearest_m = farthest_m = r;
     }

@@ -22,7 +22,8 @@ struct BoxInView {
 /// All roundings go the safe way: what hides, hides. One thread.
 class AzimuthHorizon {
  public:
-  static constexpr uint32_t kBins = 4096;  // 1.5 mrad: 15 cm at 100 m. measured: see bench_hiders
+  static constexpr uint32_t kBins =
+      1024;  // 6 mrad; 2048 take half as long again for 0.01 to 0.05 less overestimate (study hiders)
 
   /// Starts anew: an eye (metres, model space) that nothing hides anything from.
   void reset(const glm::dvec3& eye);

@@ -19,7 +19,7 @@ struct NodePart {
 
 class NodeParts {
  public:
-  static constexpr uint32_t kMostParts = 48;  // of a node; measured: see bench_hiders
+  static constexpr uint32_t kMostParts = 48;  // of a node; measured: study hiders
 
   /// Reads every mesh once, on all threads of the arena. Errors: reading the model; "interrupted".
   static Result<NodeParts> make(const ModelReader& model, JobMonitor& monitor);

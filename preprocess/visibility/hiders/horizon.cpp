@@ -21,7 +21,7 @@
 namespace promenade {
 namespace {
 
-constexpr int kMostHalvings = 6;  // measured: see bench_hiders
+constexpr int kMostHalvings = 6;  // measured: study hiders
 constexpr float kSmallestSegmentM = 0.2F;
 constexpr int kFirstLook = 2;        // halvings before which corners and middles have been looked from already
 constexpr size_t kFewTargets = 500;  // more are looked at node by node

@@ -1,0 +1,361 @@
+// Who sees whom: small worlds with known answers, and what no hider may ever do.
+
+#include <gmock/gmock.h>
+#include <tbb/task_arena.h>
+
+#include "preprocess/visibility/audit.h"
+#include "preprocess/visibility/hider_chain.h"
+#include "preprocess/visibility/hiders/horizon.h"
+#include "preprocess/visibility/node_parts.h"
+#include "preprocess/visibility/occluders.h"
+#include "tests/preprocess/situations.h"
+
+namespace promenade {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<uint8_t> hidden_by(const SituationModel& model, const std::vector<std::string>& names, const Box& cell) {
+  JobMonitor monitor;
+  const Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(names, model.reader(), {}, monitor);
+  EXPECT_TRUE(hiders.ok());
+  const std::vector<NodeId> front = model.front();
+  std::vector<uint8_t> hidden(front.size(), 0);
+  for (const auto& hider : *hiders) EXPECT_TRUE(hider->hide({cell, front}, hidden).ok());
+  return hidden;
+}
+
+/// Nodes that are hidden and that pictures from the cell show all the same.
+uint64_t misses(const SituationModel& model, const Box& cell, std::span<const uint8_t> hidden) {
+  const Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(model.reader(), 1U << 28U);
+  EXPECT_TRUE(meshes.ok());
+  LookOptions options;
+  options.views = 240;
+  const std::vector<NodeId> front = model.front();
+  const Result<Looks> looks = look_from_cell(**meshes, cell, front, hidden, options);
+  EXPECT_TRUE(looks.ok());
+  return judge(model.reader().model(), front, hidden, *looks).false_hidden_nodes;
+}
+
+struct Situation {
+  std::string name;
+  Objects objects;
+  Box cell;
+  std::vector<std::string> hidden, kept;  ///< by the default chain
+};
+void PrintTo(const Situation& s, std::ostream* out) { *out << s.name; }
+
+const Box kCell{{-2, -2, 0.5F}, {2, 2, 2.5F}};  // in the middle, on the ground
+
+Mesh thing_at(float x, float y, float z = 0) { return block({x - 0.5F, y - 0.5F, z}, {x + 0.5F, y + 0.5F, z + 1}); }
+
+/// A wall from ground up that is solid.
+Mesh wall(float x0, float y0, float x1, float y1, float top = 10, float bottom = -0.5F) {
+  return block({x0, y0, bottom}, {x1, y1, top});
+}
+
+/// A shell without a bottom that reaches a little below the ground, as buildings do.
+Mesh shell(const glm::vec3& low, const glm::vec3& high) {
+  Mesh mesh;
+  const glm::vec3 a(low.x, low.y, low.z), b(high.x, low.y, low.z), c(high.x, high.y, low.z), d(low.x, high.y, low.z);
+  const auto up = [&](const glm::vec3& p) { return glm::vec3(p.x, p.y, high.z); };
+  for (const auto& [p, q] : {std::pair(a, b), {b, c}, {c, d}, {d, a}})
+    test::add_quad(mesh, p, q, up(q), up(p), {255, 255, 255, 255});
+  test::add_quad(mesh, up(a), up(b), up(c), up(d), {255, 255, 255, 255});
+  return of_material(std::move(mesh), kStone);
+}
+
+std::vector<Situation> situations() {
+  const auto ground = std::pair<std::string, Mesh>("ground", flat_ground());
+  std::vector<Situation> all;
+  all.push_back({"open_field", {ground, {"thing", thing_at(20, 0)}}, kCell, {}, {"ground", "thing"}});
+  all.push_back({"thing_behind_house",
+                 {ground, {"house", wall(10, -10, 20, 10)}, {"thing", thing_at(30, 0)}},
+                 kCell,
+                 {"thing"},
+                 {"ground", "house"}});
+  all.push_back(
+      {"tower_behind_wall",
+       {ground, {"wall", wall(10, -15, 14, 15, 6)}, {"tower", wall(28, -3, 34, 3, 40)}, {"hut", wall(28, 6, 30, 8, 3)}},
+       kCell,
+       {"hut"},
+       {"tower"}});
+  all.push_back({"thing_beside_house",
+                 {ground, {"house", wall(10, -10, 20, 10)}, {"thing", thing_at(30, 26)}},
+                 kCell,
+                 {},
+                 {"thing"}});
+  all.push_back({"street_with_side_alley",
+                 {ground,
+                  {"left", wall(8, -30, 20, -1.5F)},
+                  {"right", wall(8, 1.5F, 20, 30)},
+                  {"in_sight", thing_at(40, 0)},
+                  {"round_the_corner", thing_at(40, -30)}},
+                 kCell,
+                 {"round_the_corner"},
+                 {"in_sight"}});
+  all.push_back(
+      {"window_slit",
+       {ground, {"left", wall(8, -30, 20, -0.4F)}, {"right", wall(8, 0.4F, 20, 30)}, {"in_sight", thing_at(40, 0)}},
+       kCell,
+       {},
+       {"in_sight"}});
+  all.push_back({"two_houses_wall_to_wall_leave_a_slit_in_doubt",
+                 {ground, {"left", wall(8, -30, 20, 0)}, {"right", wall(8, 0, 20, 30)}, {"thing", thing_at(40, 0)}},
+                 kCell,
+                 {},
+                 {"thing"}});
+  all.push_back({"two_houses_together_hide_what_neither_does",
+                 {ground, {"near", wall(8, -14, 12, 1)}, {"far", wall(16, -1, 22, 20)}, {"thing", thing_at(45, 0)}},
+                 kCell,
+                 {"thing"},
+                 {}});
+  all.push_back({"house_on_legs",
+                 {ground, {"house", wall(10, -10, 20, 10, 10, 2)}, {"thing", thing_at(30, 0)}},
+                 kCell,
+                 {},
+                 {"thing"}});
+  all.push_back({"gap_of_ten_centimetres_under_a_wall",
+                 {ground, {"house", wall(10, -10, 20, 10, 10, 0.1F)}, {"thing", thing_at(30, 0)}},
+                 kCell,
+                 {},
+                 {"thing"}});
+  all.push_back({"house_stands_on_the_ground_exactly",
+                 {ground, {"house", wall(10, -10, 20, 10, 10, 0)}, {"thing", thing_at(30, 0)}},
+                 kCell,
+                 {"thing"},
+                 {}});
+  all.push_back({"shell_without_a_bottom",
+                 {ground, {"house", shell({10, -10, -0.3F}, {20, 10, 10})}, {"thing", thing_at(30, 0)}},
+                 kCell,
+                 {"thing"},
+                 {"house"}});
+  all.push_back({"shell_that_hovers",
+                 {ground, {"house", shell({10, -10, 0.05F}, {20, 10, 10})}, {"thing", thing_at(30, 0)}},
+                 kCell,
+                 {},
+                 {"thing"}});
+  all.push_back(
+      {"one_sided_sheet",
+       {ground, {"sheet", sheet({10, 10, 0}, {10, -10, 0}, {10, -10, 10}, {10, 10, 10})}, {"thing", thing_at(30, 0)}},
+       kCell,
+       {},
+       {"thing"}});
+  all.push_back({"glass_house",
+                 {ground, {"house", block({10, -10, -0.5F}, {20, 10, 10}, kGlassPane)}, {"thing", thing_at(30, 0)}},
+                 kCell,
+                 {},
+                 {"thing"}});
+  all.push_back({"hedge",
+                 {ground, {"hedge", block({10, -10, -0.5F}, {20, 10, 10}, kLeaves)}, {"thing", thing_at(30, 0)}},
+                 kCell,
+                 {},
+                 {"thing"}});
+  all.push_back({"glass_front_of_a_solid_house",
+                 {ground,
+                  {"pane", block({9, -12, -0.5F}, {9.2F, 12, 12}, kGlassPane)},
+                  {"house", wall(10, -10, 20, 10)},
+                  {"thing", thing_at(30, 0)}},
+                 kCell,
+                 {"thing"},
+                 {"pane", "house"}});
+  all.push_back({"turned_house",
+                 {ground, {"house", turned_block({15, 0}, {9, 9}, -0.5F, 10, 0.6F)}, {"thing", thing_at(40, 0)}},
+                 kCell,
+                 {"thing"},
+                 {}});
+  all.push_back(
+      {"canopy_is_no_house",
+       {ground, {"roof", sheet({10, -10, 3}, {20, -10, 3}, {20, 10, 3}, {10, 10, 3})}, {"thing", thing_at(30, 0)}},
+       kCell,
+       {},
+       {"thing"}});
+  all.push_back({"house_with_an_open_side",
+                 {ground,
+                  {"house", together(sheet({10, -10, 10}, {20, -10, 10}, {20, 10, 10}, {10, 10, 10}),
+                                     sheet({20, -10, 0}, {20, 10, 0}, {20, 10, 10}, {20, -10, 10}))},
+                  {"thing", thing_at(30, 0)}},
+                 kCell,
+                 {},
+                 {"thing"}});
+  all.push_back({"over_the_roof_from_the_air",
+                 {ground, {"house", wall(10, -10, 20, 10)}, {"thing", thing_at(40, 0)}},
+                 {{-2, -2, 30}, {2, 2, 34}},
+                 {},
+                 {"thing"}});
+  all.push_back({"behind_the_house_from_the_air",
+                 {ground, {"house", wall(10, -10, 20, 10)}, {"thing", thing_at(21.5F, 0)}},
+                 {{-2, -2, 14}, {2, 2, 17}},
+                 {"thing"},
+                 {}});
+  all.push_back({"house_around_the_cell",
+                 {ground,
+                  {"north", wall(-20, 10, 20, 14)},
+                  {"south", wall(-20, -14, 20, -10)},
+                  {"east", wall(16, -12, 20, 12)},
+                  {"west", wall(-20, -12, -16, 12)},
+                  {"thing", thing_at(40, 5)},
+                  {"inside", thing_at(5, 5)}},
+                 kCell,
+                 {"thing"},
+                 {"inside", "north", "south", "east", "west"}});
+  all.push_back({"thing_on_the_roof_near_the_edge",
+                 {ground, {"house", wall(10, -10, 30, 10, 5)}, {"thing", thing_at(11, 0, 5)}},
+                 kCell,
+                 {},
+                 {"thing"}});
+  all.push_back({"thing_on_the_roof_far_back",
+                 {ground, {"house", wall(8, -20, 50, 20, 12)}, {"thing", thing_at(45, 0, 12)}},
+                 kCell,
+                 {"thing"},
+                 {}});
+  all.push_back(
+      {"step_in_the_ground",
+       {{"ground", together(sheet({-60, -60, 0}, {5, -60, 0}, {5, 60, 0}, {-60, 60, 0}),
+                            together(sheet({5, -60, 0.15F}, {60, -60, 0.15F}, {60, 60, 0.15F}, {5, 60, 0.15F}),
+                                     sheet({5, 60, 0}, {5, -60, 0}, {5, -60, 0.15F}, {5, 60, 0.15F})))},
+        {"house", wall(10, -10, 20, 10, 10, 0.1F)},
+        {"thing", thing_at(30, 0, 0.15F)}},
+       kCell,
+       {"thing"},
+       {}});
+  all.push_back({"no_ground_at_all",
+                 {{"house", wall(10, -10, 20, 10, 10, 0)}, {"thing", thing_at(30, 0)}, {"deep", thing_at(30, 0, -9)}},
+                 kCell,
+                 {},
+                 {"deep"}});
+  all.push_back({"cage_of_bars_finer_than_a_column", {ground, {"thing", thing_at(30, 0)}}, kCell, {}, {"thing"}});
+  Mesh bars;
+  for (float y = -10; y <= 10; y += 0.2F) append(bars, block({10, y, 0}, {10.05F, y + 0.05F, 4}));
+  append(bars, block({10, -10, 4}, {14, 10, 4.2F}));
+  all.back().objects.emplace_back("cage", bars);
+  return all;
+}
+
+class WhoSeesWhom : public testing::TestWithParam<Situation> {};
+
+TEST_P(WhoSeesWhom, is_as_the_situation_says) {
+  const Situation& situation = GetParam();
+  const SituationModel model(situation.objects);
+  const std::vector<uint8_t> hidden = hidden_by(model, default_hiders(), situation.cell);
+  for (const std::string& name : situation.hidden) EXPECT_EQ(hidden[model.number_of(name)], 1) << name;
+  for (const std::string& name : situation.kept) EXPECT_EQ(hidden[model.number_of(name)], 0) << name;
+  EXPECT_EQ(misses(model, situation.cell, hidden), 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Hiders, WhoSeesWhom, testing::ValuesIn(situations()),
+                         [](const auto& param_info) { return param_info.param.name; });
+
+TEST(Audit, catches_occluders_grown_on_purpose) {
+  const SituationModel model({{"ground", flat_ground()}, {"house", wall(10, -4, 20, 4)}, {"thing", thing_at(30, 10)}});
+  JobMonitor monitor;
+  const Result<NodeParts> parts = NodeParts::make(model.reader(), monitor);
+  Result<OccluderSet> occluders = extract_occluders(model.reader(), {}, monitor);
+  ASSERT_TRUE(parts.ok() && occluders.ok());
+  const std::vector<NodeId> front = model.front();
+  const auto asked = [&] {
+    std::vector<uint8_t> hidden(front.size(), 0);
+    EXPECT_TRUE(make_horizon_hider(model.reader().model(), *parts, *occluders)->hide({kCell, front}, hidden).ok());
+    return hidden;
+  };
+  EXPECT_EQ(misses(model, kCell, asked()), 0U);
+  for (glm::vec2& p : occluders->points) p.y *= 4;  // a house four times as wide as it is
+  for (OccluderLoop& loop : occluders->loops) loop.low.y *= 4, loop.high.y *= 4;
+  for (Occluder& occluder : occluders->occluders) occluder.box.min.y *= 4, occluder.box.max.y *= 4;
+  EXPECT_GT(misses(model, kCell, asked()), 0U);
+}
+
+TEST(Audit, finds_no_place_to_stand_in_a_solid) {
+  const SituationModel model({{"house", wall(-10, -10, 10, 10, 10, -10)}});
+  const Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(model.reader(), 1U << 28U);
+  ASSERT_TRUE(meshes.ok());
+  const Result<Looks> looks = look_from_cell(**meshes, kCell, model.front(), {}, {});
+  ASSERT_TRUE(looks.ok());
+  EXPECT_EQ(looks->eyes, 0U);
+}
+
+TEST(Hiders, backface_hides_what_shows_its_back_only) {
+  const SituationModel model({{"back", sheet({10, -5, 0}, {10, 5, 0}, {10, 5, 5}, {10, -5, 5})},
+                              {"front", sheet({10, 5, 0}, {10, -5, 0}, {10, -5, 5}, {10, 5, 5})},
+                              {"two_sided", sheet({10, -5, 0}, {10, 5, 0}, {10, 5, 5}, {10, -5, 5}, kBothSides)}});
+  EXPECT_THAT(hidden_by(model, {"backface"}, kCell), testing::ElementsAre(1, 0, 0));
+}
+
+TEST(Hiders, sampled_agrees_with_pictures_and_says_that_it_is_no_proof) {
+  const SituationModel model({{"ground", flat_ground()}, {"house", wall(10, -10, 20, 10)}, {"thing", thing_at(30, 0)}});
+  EXPECT_THAT(hidden_by(model, {"sampled"}, kCell), testing::ElementsAre(0, 0, 1));
+  JobMonitor monitor;
+  const std::vector<std::string> names = {"sampled", "horizon"};
+  const auto hiders = make_hiders(names, model.reader(), {}, monitor);
+  ASSERT_TRUE(hiders.ok());
+  EXPECT_FALSE((*hiders)[0]->is_conservative());
+  EXPECT_TRUE((*hiders)[1]->is_conservative());
+}
+
+TEST(Hiders, what_is_hidden_already_stays_hidden) {
+  const SituationModel model({{"ground", flat_ground()}, {"thing", thing_at(20, 0)}});
+  const Result<NodeParts> parts = NodeParts::make(model.reader(), *std::make_unique<JobMonitor>());
+  JobMonitor monitor;
+  const Result<OccluderSet> occluders = extract_occluders(model.reader(), {}, monitor);
+  ASSERT_TRUE(parts.ok() && occluders.ok());
+  const std::vector<NodeId> front = model.front();
+  std::vector<uint8_t> hidden = {0, 1};
+  ASSERT_TRUE(make_horizon_hider(model.reader().model(), *parts, *occluders)->hide({kCell, front}, hidden).ok());
+  EXPECT_THAT(hidden, testing::ElementsAre(0, 1));
+}
+
+TEST(Hiders, chains_are_parsed_and_unknown_names_refused) {
+  EXPECT_THAT(*parse_hiders("backface,horizon"), testing::ElementsAre("backface", "horizon"));
+  EXPECT_TRUE(parse_hiders("none")->empty());
+  for (const std::string wrong : {"portals of doom", "horizon,horizon", "horizon,", ",", "Horizon"})
+    EXPECT_FALSE(parse_hiders(wrong).ok()) << wrong;
+  EXPECT_THAT(parse_hiders("shadow").error().message, HasSubstr("backface, horizon, sampled"));
+}
+
+TEST(Occluders, are_the_same_at_any_number_of_threads) {
+  Objects objects = {{"ground", flat_ground(200)}};
+  for (int i = 0; i < 12; ++i)
+    objects.emplace_back("house" + std::to_string(i), turned_block({float(i % 4) * 90 - 140, float(i / 4) * 110 - 120},
+                                                                   {14, 9}, -0.5F, 12, float(i)));
+  const SituationModel model(objects);
+  const auto extracted = [&](int threads) {
+    tbb::task_arena arena(threads);
+    JobMonitor monitor;
+    return arena.execute([&] { return extract_occluders(model.reader(), {}, monitor); });
+  };
+  const Result<OccluderSet> one = extracted(1), two = extracted(2);
+  ASSERT_TRUE(one.ok() && two.ok());
+  EXPECT_EQ(one->occluders.size(), 12U);
+  EXPECT_EQ(one->points, two->points);
+  EXPECT_EQ(one->ground.slip_sums, two->ground.slip_sums);
+}
+
+TEST(Occluders, lie_within_the_solids_by_their_erosion) {
+  const SituationModel model({{"ground", flat_ground()}, {"house", turned_block({5, 3}, {12, 8}, -0.5F, 9, 0.4F)}});
+  JobMonitor monitor;
+  const Result<OccluderSet> set = extract_occluders(model.reader(), {}, monitor);
+  ASSERT_TRUE(set.ok());
+  ASSERT_EQ(set->occluders.size(), 1U);
+  for (size_t k = 0; k < OccluderSet::kErosionsM.size(); ++k)
+    for (const OccluderLoop& loop : set->loops_of(set->occluders[0], k)) {
+      EXPECT_LE(loop.top_m, 9);
+      for (const glm::vec2& p : set->points_of(loop)) {
+        const glm::vec2 d = p - glm::vec2(5, 3);
+        const glm::vec2 local(d.x * std::cos(0.4F) + d.y * std::sin(0.4F),
+                              -d.x * std::sin(0.4F) + d.y * std::cos(0.4F));
+        EXPECT_GE(12 - std::abs(local.x), OccluderSet::kErosionsM[k] - 1e-3F);
+        EXPECT_GE(8 - std::abs(local.y), OccluderSet::kErosionsM[k] - 1e-3F);
+      }
+    }
+}
+
+TEST(Occluders, of_a_model_without_triangles_or_ground_are_none) {
+  const SituationModel model({{"sheet", sheet({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0})}});
+  JobMonitor monitor;
+  const Result<OccluderSet> set = extract_occluders(model.reader(), {}, monitor);
+  ASSERT_TRUE(set.ok());
+  EXPECT_TRUE(set->occluders.empty());
+}
+
+}  // namespace
+}  // namespace promenade
