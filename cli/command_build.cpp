@@ -16,6 +16,10 @@ void print_summary(const BuildOptions& options, const BuildFigures& made, double
              options.model.string(), human_count(made.triangles_in), human_count(made.nodes), made.levels,
              human_bytes(bytes), made.triangles_in > 0 ? 8.0 * double(bytes) / double(made.triangles_in) : 0.0,
              seconds);
+  const VisibilityFigures& seen = made.visibility;
+  if (seen.cells > 0)
+    fmt::print("  {} view cells, {:.0f} of {:.0f} triangles of a cell's front may be seen, {:.1f} ms a cell\n",
+               seen.cells, seen.vlod_triangles_mean, seen.front_triangles_mean, seen.ms_per_cell);
   for (const auto& [name, count] : made.import_counts)
     if (count > 0 &&
         (name.starts_with("faces_") || name.starts_with("vertices_") || name.starts_with("textures_missing")))
@@ -37,6 +41,13 @@ Status run_build(const BuildOptions& options, JobMonitor& monitor, Json& figures
              {"spill_bytes_peak", made->spill_bytes_peak},
              {"units_total", made->units_total},
              {"units_resumed", made->units_resumed},
+             {"cells", made->visibility.cells},
+             {"vlod_nodes_mean", made->visibility.vlod_nodes_mean},
+             {"vlod_triangles_mean", made->visibility.vlod_triangles_mean},
+             {"front_nodes_mean", made->visibility.front_nodes_mean},
+             {"front_triangles_mean", made->visibility.front_triangles_mean},
+             {"visibility_ms_per_cell", made->visibility.ms_per_cell},
+             {"visibility_cells_computed", made->visibility.units.cells},
              {"import_counts", made->import_counts},
              {"warnings", made->warnings},
              {"build_wall_s", seconds},
@@ -51,6 +62,56 @@ Status run_build(const BuildOptions& options, JobMonitor& monitor, Json& figures
 Result<GeometryCodec> parse_codec(const std::string& text) {
   if (const std::optional<GeometryCodec> codec = geometry_codec_named(text)) return *codec;
   return Error{fmt::format("\"{}\" is no geometry codec: draco, meshopt or raw", text)};
+}
+
+Result<CellStyle> parse_cells(const std::string& text) {
+  if (const std::optional<CellStyle> style = cell_style_named(text)) return *style;
+  return Error{fmt::format("\"{}\" is no division of viewing space: auto, octree or none", text)};
+}
+
+Result<ErrorAt> parse_error_at(const std::string& text) {
+  if (text == "center") return ErrorAt::center;
+  if (text == "corner") return ErrorAt::corner;
+  return Error{fmt::format("\"{}\" is no place in a picture: center or corner", text)};
+}
+
+/// What can be seen from where.
+void add_cell_options(CLI::App& app, VisibilityOptions& o) {
+  CLI::Option_group* group = app.add_option_group("view cells", "What can be seen from where, computed once");
+  o.cells = CellStyle::automatic;
+  add_parsed<CellStyle>(*group, "--cells", o.cells, parse_cells, "How viewing space is divided: auto, octree or none")
+      ->default_str("auto");
+  group->add_option("--pixel-error", o.pixel_error, "Projected error that is allowed from anywhere in a cell, pixels")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  group
+      ->add_option_function<std::string>(
+          "--size",
+          [&o](const std::string& text) {
+            const Result<PixelSize> size = parse_size(text);
+            if (!size) throw CLI::ValidationError("--size", size.error().message);
+            o.width_px = size->width, o.height_px = size->height;
+          },
+          "Picture that it is meant for, pixels")
+      ->default_str("1280x720");
+  group->add_option("--fov", o.vertical_fov_deg, "Vertical field of view that it is meant for, degrees")
+      ->check(CLI::Range(1.0, 170.0))
+      ->capture_default_str();
+  add_parsed<ErrorAt>(*group, "--error-at", o.error_at, parse_error_at,
+                      "Where in the picture the error is counted: center, or corner, where perspective stretches most")
+      ->default_str("center");
+  group->add_option("--cell-triangles", o.cell_triangles, "Most triangles seen from a cell that is not divided further")
+      ->capture_default_str();
+  group->add_option("--smallest-cell", o.smallest_cell_m, "No cell is divided into parts shorter than this, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  group->add_option("--max-cells", o.max_cells, "Most cells, about (0: four a node, 256 to 16384)")
+      ->capture_default_str();
+  group
+      ->add_option_function<double>(
+          "--walk-height", [&o](double height_m) { o.walk_height_m = height_m; },
+          "Cells only this high above what one may stand on, m (default: up to the sky)")
+      ->check(CLI::PositiveNumber);
 }
 
 Result<UpAxis> parse_up(const std::string& text) {
@@ -100,6 +161,7 @@ Command add_build(CLI::App& program) {
       ->capture_default_str();
   app->add_option("--jpeg-quality", options->jpeg_quality, "Of textures that are coded anew, 1 to 100")
       ->capture_default_str();
+  add_cell_options(*app, options->visibility);
   add_import_options(*app, options->import);
   return {app, {}, [options](JobMonitor& monitor, Json& figures) { return run_build(*options, monitor, figures); }};
 }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "geometry/job_monitor.h"
+#include "layout/cells_io.h"
 #include "layout/file_io.h"
 #include "layout/model.h"
 
@@ -24,8 +25,15 @@ class ModelWriter {
   /// Appends bytes to the data file of that type (geometry.bin or textures.bin) and returns the segment's index.
   Result<uint32_t> append(SegmentRecord::Type type, std::span<const std::byte> bytes);
 
-  /// Writes tables and manifest (files, segments and checksums are filled in here), checks find_defect, syncs and
-  /// renames.
+  /// Writes tables and manifest (files, segments and checksums are filled in here), checks find_defect and syncs: a
+  /// whole model, though not under its name, that can be opened at staged_folder().
+  Status stage(ModelTables tables, ModelManifest manifest);
+  std::filesystem::path staged_folder() const;
+  /// View cells for the staged model. At most once.
+  Status add_cells(const CellTables& cells, const VlodSource& vlod_of);
+  /// Renames the staged model to its name.
+  Status publish();
+  /// stage() and publish(): a model without cells.
   Status finish(ModelTables tables, ModelManifest manifest);
 
  private:
@@ -58,13 +66,16 @@ class ModelReader {
   /// Reads, checks and decodes a texture's picture.
   Result<Image> read_texture(uint32_t texture) const;
 
+  /// The model's view cells and what they see; null: it has none.
+  const CellsReader* cells() const;
+
  private:
   struct State;
   explicit ModelReader(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 
-/// Checks every segment of the model against its checksum. Error: the first that fails.
+/// Checks every segment and every cell's vLOD against its checksum. Error: the first that fails.
 Status verify_checksums(const ModelReader& reader, JobMonitor& monitor);
 
 }  // namespace promenade

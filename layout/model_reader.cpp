@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <optional>
 #include <utility>
 
 #include "codec/frame.h"
@@ -60,6 +62,7 @@ struct ModelReader::State {
   fs::path folder;
   Model model;
   std::vector<RandomAccessFile> files;  // as in the manifest, without the tables
+  std::optional<CellsReader> cells;
 
   std::string name_of_segment(uint32_t segment) const {
     const SegmentRecord& record = model.tables.segments[segment];
@@ -77,6 +80,16 @@ struct ModelReader::State {
                                  opened->size(), kManifestName, file.bytes)};
       files.push_back(std::move(*opened));
     }
+    return Done{};
+  }
+
+  Status open_cells(uint64_t tables_checksum, FileSystem& file_system) {
+    const auto named = [](const ModelManifest::File& file) { return file.name == kCellsName; };
+    if (std::none_of(model.manifest.files.begin(), model.manifest.files.end(), named)) return Done{};
+    const CellsOwner owner{tables_checksum, static_cast<uint32_t>(model.tables.nodes.size())};
+    Result<CellsReader> opened = CellsReader::open(folder / kCellsName, owner, file_system);
+    if (!opened) return opened.error();
+    cells.emplace(std::move(*opened));
     return Done{};
   }
 };
@@ -99,10 +112,13 @@ Result<ModelReader> ModelReader::open(const fs::path& path, FileSystem& files) {
   if (const std::string defect = find_defect(state->model); !defect.empty())
     return Error{fmt::format("{}: {}", (*folder / kTablesName).string(), defect)};
   PROMENADE_TRY(state->open_files(files));
+  PROMENADE_TRY(state->open_cells(stored->tables_checksum, files));
   return ModelReader(std::move(state));
 }
 
 const Model& ModelReader::model() const { return state_->model; }
+
+const CellsReader* ModelReader::cells() const { return state_->cells ? &*state_->cells : nullptr; }
 
 Status ModelReader::read_piece(uint32_t segment, uint64_t offset, std::span<std::byte> into) const {
   const SegmentRecord& record = state_->model.tables.segments[segment];
@@ -164,6 +180,12 @@ Status verify_checksums(const ModelReader& reader, JobMonitor& monitor) {
     const Result<std::vector<std::byte>> bytes = reader.read_segment(i);
     if (!bytes) return bytes.error();
     monitor.progress("checksums", i + 1, segments.size());
+  }
+  const uint32_t cells = reader.cells() != nullptr ? static_cast<uint32_t>(reader.cells()->vlods().size()) : 0;
+  for (uint32_t i = 0; i < cells; ++i) {
+    if (monitor.cancelled()) return Error{"interrupted"};
+    if (const Result<Vlod> vlod = reader.cells()->read_vlod(CellId{i}); !vlod) return vlod.error();
+    monitor.progress("cells", i + 1, cells);
   }
   return Done{};
 }

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 4> kOwnNames = {kManifestName, kTablesName, kGeometryName, kTexturesName};
+constexpr std::array<const char*, 5> kOwnNames = {kManifestName, kTablesName, kGeometryName, kTexturesName, kCellsName};
 
 bool exists(const fs::path& path, FileSystem& files) {
   FileInfo info;
@@ -79,6 +79,8 @@ struct ModelWriter::State {
   std::optional<AtomicFile> geometry;
   std::optional<AtomicFile> textures;
   std::vector<SegmentRecord> segments;
+  StoredManifest staged;
+  uint32_t staged_nodes = 0;
   bool published = false;
 
   State() = default;
@@ -167,7 +169,7 @@ Result<uint32_t> ModelWriter::append(SegmentRecord::Type type, std::span<const s
   return static_cast<uint32_t>(s.segments.size() - 1);
 }
 
-Status ModelWriter::finish(ModelTables tables, ModelManifest manifest) {
+Status ModelWriter::stage(ModelTables tables, ModelManifest manifest) {
   State& s = *state_;
   Model model{std::move(manifest), std::move(tables)};
   model.tables.segments = s.segments;
@@ -180,9 +182,28 @@ Status ModelWriter::finish(ModelTables tables, ModelManifest manifest) {
   PROMENADE_TRY(s.geometry->commit());
   PROMENADE_TRY(s.textures->commit());
   PROMENADE_TRY(write_file(s.partial / kTablesName, table_bytes, *s.files));
-  PROMENADE_TRY(write_file(s.partial / kManifestName,
-                           std::string_view(manifest_text({model.manifest, checksum(table_bytes)})), *s.files));
-  return s.publish();
+  s.staged = {std::move(model.manifest), checksum(table_bytes)};
+  s.staged_nodes = static_cast<uint32_t>(model.tables.nodes.size());
+  return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
+}
+
+std::filesystem::path ModelWriter::staged_folder() const { return state_->partial; }
+
+Status ModelWriter::add_cells(const CellTables& cells, const VlodSource& vlod_of) {
+  State& s = *state_;
+  const Result<uint64_t> bytes =
+      write_cells(s.partial / kCellsName, cells, {s.staged.tables_checksum, s.staged_nodes}, vlod_of, *s.files);
+  if (!bytes) return bytes.error();
+  std::vector<ModelManifest::File>& names = s.staged.manifest.files;
+  names.insert(names.end() - 1, {kCellsName, *bytes});
+  return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
+}
+
+Status ModelWriter::publish() { return state_->publish(); }
+
+Status ModelWriter::finish(ModelTables tables, ModelManifest manifest) {
+  PROMENADE_TRY(stage(std::move(tables), std::move(manifest)));
+  return publish();
 }
 
 }  // namespace promenade

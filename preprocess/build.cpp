@@ -49,7 +49,8 @@ Status check_options(const BuildOptions& o) {
   PROMENADE_TRY(check("level-factor", o.level_factor, 2, 16));
   if (o.chunk_triangles != 0) PROMENADE_TRY(check("chunk-triangles", o.chunk_triangles, 1000, 1U << 24));
   PROMENADE_TRY(check("max-texture", o.max_texture_px, 64, 16384));
-  return check("jpeg-quality", o.jpeg_quality < 0 ? 0U : static_cast<uint32_t>(o.jpeg_quality), 1, 100);
+  PROMENADE_TRY(check("jpeg-quality", o.jpeg_quality < 0 ? 0U : static_cast<uint32_t>(o.jpeg_quality), 1, 100));
+  return check_options(o.visibility);
 }
 
 uint64_t tool_hash() {
@@ -81,6 +82,14 @@ float leaf_step_m(const Survey& survey, uint32_t node_triangles) {
   return static_cast<float>(std::exp2(std::floor(std::log2(step_m))));
 }
 
+/// Everything that the model depends on.
+uint64_t hash_of(const BuildOptions& o, uint64_t tree_hash) {
+  if (o.visibility.cells == CellStyle::none) return tree_hash;
+  ByteWriter writer;
+  writer.value(tree_hash), writer.value(hash_of(o.visibility));
+  return checksum(writer.bytes());
+}
+
 std::map<std::string, std::string> settings_of(const BuildOptions& o, const MemoryBudget& budget) {
   std::map<std::string, std::string> settings{
       {"node-triangles", fmt::format("{}", o.node_triangles)},
@@ -91,6 +100,7 @@ std::map<std::string, std::string> settings_of(const BuildOptions& o, const Memo
       {"repair", o.import.repair ? "on" : "off"},
       {"chunk-triangles", fmt::format("{}", budget.chunk_triangles)},
   };
+  settings.merge(settings_of(o.visibility));
   if (o.import.unit_m) settings["unit"] = fmt::format("{}", *o.import.unit_m);
   if (o.import.up) settings["up"] = *o.import.up == UpAxis::y ? "y" : "z";
   return settings;
@@ -123,8 +133,9 @@ void count_nodes(const ModelTables& tables, BuildFigures& figures) {
 /// What the model takes on disk.
 std::map<std::string, uint64_t> bytes_by_part(const std::filesystem::path& model) {
   std::map<std::string, uint64_t> bytes;
-  for (const auto& [part, file] : {std::pair("geometry", "geometry.bin"), std::pair("textures", "textures.bin"),
-                                   std::pair("tables", "tables.bin"), std::pair("manifest", "manifest.json")}) {
+  for (const auto& [part, file] :
+       {std::pair("geometry", "geometry.bin"), std::pair("textures", "textures.bin"), std::pair("tables", "tables.bin"),
+        std::pair("cells", "cells.bin"), std::pair("manifest", "manifest.json")}) {
     std::error_code code;
     const uintmax_t size = std::filesystem::file_size(model / file, code);
     bytes[part] = code ? 0 : size;
@@ -164,8 +175,16 @@ class Build {
     clock_.end("simplify");
 
     count_work(*spill, *units, textures);
-    PROMENADE_TRY(write(*survey, *units, base, textures));
+    Result<ModelWriter> writer = ModelWriter::create(options_.model, files_);
+    if (!writer.ok()) return writer.error();
+    PROMENADE_TRY(stage(*survey, *units, base, textures, *writer));
     clock_.end("write");
+
+    if (options_.visibility.cells != CellStyle::none) PROMENADE_TRY(add_cells(*writer));
+    clock_.end("visibility");
+
+    PROMENADE_TRY(writer->publish());
+    figures_.bytes_by_part = bytes_by_part(options_.model);
     return std::move(figures_);
   }
 
@@ -193,19 +212,29 @@ class Build {
     figures_.units_resumed = units.resumed + textures.resumed();
   }
 
-  Status write(const Survey& survey, const TreeUnits& units, const MaterialBase& base, const TextureStore& textures) {
-    Result<ModelWriter> writer = ModelWriter::create(options_.model, files_);
-    if (!writer.ok()) return writer.error();
+  Status stage(const Survey& survey, const TreeUnits& units, const MaterialBase& base, const TextureStore& textures,
+               ModelWriter& writer) {
     Result<ModelTables> tables =
-        assemble_model(units, textures, base.materials, options_.geometry_codec, folder_, *writer, monitor_);
+        assemble_model(units, textures, base.materials, options_.geometry_codec, folder_, writer, monitor_);
     if (!tables.ok()) return tables.error();
     count_nodes(*tables, figures_);
-    PROMENADE_TRY(writer->finish(std::move(*tables), manifest_of(options_, budget_, survey, hash_)));
-    figures_.bytes_by_part = bytes_by_part(options_.model);
     figures_.triangles_in = survey.triangles;
     figures_.import_counts = survey.report.counts;
     figures_.warnings = survey.report.warnings;
-    return Done{};
+    return writer.stage(std::move(*tables), manifest_of(options_, budget_, survey, hash_of(options_, hash_)));
+  }
+
+  Status add_cells(ModelWriter& writer) {
+    const Result<ModelReader> reader = ModelReader::open(writer.staged_folder(), files_);
+    if (!reader.ok()) return reader.error();
+    const Result<Visibility> made =
+        compute_visibility(*reader, {}, options_.visibility, hash_of(options_, hash_), folder_, monitor_);
+    if (!made.ok()) return made.error();
+    figures_.visibility = made->figures;
+    figures_.units_total += made->figures.units.total;
+    figures_.units_resumed += made->figures.units.resumed;
+    const auto nodes = static_cast<uint32_t>(reader->model().tables.nodes.size());
+    return writer.add_cells(made->cells, [&](CellId cell) { return decoded(made->vlods[index_of(cell)], nodes); });
   }
 
   const BuildOptions& options_;

@@ -11,6 +11,7 @@
 #include "geometry/result.h"
 #include "layout/file_io.h"
 #include "preprocess/import.h"
+#include "preprocess/visibility/visibility.h"
 
 namespace promenade {
 
@@ -26,6 +27,7 @@ struct BuildOptions {
   GeometryCodec geometry_codec = GeometryCodec::meshopt;
   uint32_t max_texture_px = 2048;  ///< longest side of a stored texture; 64 to 16384
   int jpeg_quality = 85;
+  VisibilityOptions visibility;
 };
 
 /// What `build --json` prints, besides build_wall_s and peak_rss_bytes.
@@ -35,7 +37,8 @@ struct BuildFigures {
   uint64_t triangles_stored = 0;
   uint64_t spill_bytes_peak = 0;
   uint64_t units_total = 0, units_resumed = 0;
-  std::map<std::string, uint64_t> bytes_by_part;  ///< "geometry", "textures", "tables", "manifest"
+  VisibilityFigures visibility;                   ///< zeros without cells
+  std::map<std::string, uint64_t> bytes_by_part;  ///< "geometry", "textures", "tables", "cells", "manifest"
   std::map<std::string, double> stage_wall_s;     ///< "survey", "partition", "simplify", ...
   std::map<std::string, uint64_t> import_counts;
   std::vector<std::string> warnings;

@@ -1,0 +1,214 @@
+#include "layout/cells_codec.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+
+#include "codec/byte_io.h"
+#include "codec/frame.h"
+
+namespace promenade {
+namespace {
+
+constexpr std::string_view kMagic = "PROMCELL";
+constexpr uint64_t kAlignment = 8;
+
+struct SectionKind {
+  const char* name;
+  uint32_t entry_bytes;
+};
+constexpr std::array<SectionKind, 6> kSections = {
+    {{"tree", 16}, {"cells", 32}, {"faces", 20}, {"faces_of_cells", 4}, {"portals", 24}, {"vlods", 28}}};
+constexpr uint64_t kListOffset = 80;
+constexpr uint64_t kEntryBytes = 32;
+static_assert(kListOffset + kSections.size() * kEntryBytes + sizeof(uint64_t) == kCellsHeaderBytes);
+
+void put(ByteWriter& w, const Box& box) {
+  for (const glm::vec3& corner : {box.min, box.max})
+    for (int i = 0; i < 3; ++i) w.put(corner[i]);
+}
+void put(ByteWriter& w, const CellTreeNode& n) { w.put(n.axis), w.put(n.split_m), w.put(n.below), w.put(n.above); }
+void put(ByteWriter& w, const CellRecord& c) { put(w, c.box), w.put(c.first_face), w.put(c.face_count); }
+void put(ByteWriter& w, const CellFace& f) {
+  w.put(index_of(f.below)), w.put(index_of(f.above)), w.put(f.axis), w.put(f.first_portal), w.put(f.portal_count);
+}
+void put(ByteWriter& w, uint32_t value) { w.put(value); }
+void put(ByteWriter& w, const VlodRecord& v) {
+  w.put(v.offset), w.put(v.stored_bytes), w.put(v.nodes), w.put(index_of(v.base)), w.put(v.checksum);
+}
+
+void get(ByteReader& r, Box& box) {
+  for (glm::vec3* corner : {&box.min, &box.max})
+    for (int i = 0; i < 3; ++i) (*corner)[i] = r.get<float>();
+}
+void get(ByteReader& r, CellTreeNode& n) {
+  n.axis = r.get<uint32_t>(), n.split_m = r.get<float>();
+  n.below = r.get<uint32_t>(), n.above = r.get<uint32_t>();
+}
+void get(ByteReader& r, CellRecord& c) {
+  get(r, c.box);
+  c.first_face = r.get<uint32_t>(), c.face_count = r.get<uint32_t>();
+}
+void get(ByteReader& r, CellFace& f) {
+  f.below = CellId{r.get<uint32_t>()}, f.above = CellId{r.get<uint32_t>()}, f.axis = r.get<uint32_t>();
+  f.first_portal = r.get<uint32_t>(), f.portal_count = r.get<uint32_t>();
+}
+void get(ByteReader& r, uint32_t& value) { value = r.get<uint32_t>(); }
+void get(ByteReader& r, VlodRecord& v) {
+  v.offset = r.get<uint64_t>(), v.stored_bytes = r.get<uint32_t>(), v.nodes = r.get<uint32_t>();
+  v.base = CellId{r.get<uint32_t>()}, v.checksum = r.get<uint64_t>();
+}
+
+/// Calls visit(kind, table) for each section in order.
+template <class File, class Visit>
+void for_each_section(File& file, Visit visit) {
+  visit(kSections[0], file.tables.tree);
+  visit(kSections[1], file.tables.cells);
+  visit(kSections[2], file.tables.faces);
+  visit(kSections[3], file.tables.faces_of_cells);
+  visit(kSections[4], file.tables.portals);
+  visit(kSections[5], file.vlods);
+}
+
+/// A section as the header lists it.
+struct ListEntry {
+  uint32_t section = 0;
+  uint32_t entry_bytes = 0;
+  uint64_t count = 0;
+  uint64_t offset = 0;  ///< from the file's start
+  uint64_t checksum = 0;
+};
+
+void put(ByteWriter& w, const ListEntry& e) {
+  w.put(e.section), w.put(e.entry_bytes), w.put(e.count), w.put(e.offset), w.put(e.checksum);
+}
+
+ListEntry get_entry(ByteReader& r) {
+  ListEntry e;
+  e.section = r.get<uint32_t>(), e.entry_bytes = r.get<uint32_t>();
+  e.count = r.get<uint64_t>(), e.offset = r.get<uint64_t>(), e.checksum = r.get<uint64_t>();
+  return e;
+}
+
+uint64_t aligned(uint64_t offset) { return (offset + kAlignment - 1) / kAlignment * kAlignment; }
+
+Status check_header(std::span<const std::byte> header) {
+  if (header.size() < kCellsHeaderBytes)
+    return Error{fmt::format("header: {} bytes, {} are due", header.size(), kCellsHeaderBytes)};
+  if (std::string_view(reinterpret_cast<const char*>(header.data()), kMagic.size()) != kMagic)
+    return Error{"header: no cells of a model"};
+  ByteReader reader(header.subspan(kMagic.size()));
+  if (const auto version = reader.get<uint32_t>(); version != kCellsVersion)
+    return Error{
+        fmt::format("header @0x8: version {}, this program reads {}; build the model again", version, kCellsVersion)};
+  if (const auto count = reader.get<uint32_t>(); count != kSections.size())
+    return Error{fmt::format("header @0xc: {} sections, not {}", count, kSections.size())};
+  constexpr uint64_t kSumOffset = kCellsHeaderBytes - sizeof(uint64_t);
+  const uint64_t stored = ByteReader(header.subspan(kSumOffset)).get<uint64_t>();
+  if (const uint64_t found = checksum(header.first(kSumOffset)); found != stored)
+    return Error{fmt::format("header @{:#x}: checksum {:016x} != {:016x}", kSumOffset, found, stored)};
+  return Done{};
+}
+
+template <class Entry>
+Status read_section(std::span<const std::byte> sections, uint64_t begin, const ListEntry& entry, size_t number,
+                    uint64_t due, std::vector<Entry>& table) {
+  const SectionKind& kind = kSections[number];
+  if (entry.section != number + 1 || entry.entry_bytes != kind.entry_bytes || entry.offset != due)
+    return Error{fmt::format("{} @{:#x}: section {} with entries of {} bytes, not {}, {}, @{:#x}", kind.name,
+                             entry.offset, entry.section, entry.entry_bytes, number + 1, kind.entry_bytes, due)};
+  const uint64_t at = entry.offset - begin;
+  if (at > sections.size() || entry.count > (sections.size() - at) / kind.entry_bytes)
+    return Error{fmt::format("{} @{:#x}: {} entries of {} bytes reach beyond the end @{:#x}", kind.name, entry.offset,
+                             entry.count, kind.entry_bytes, begin + sections.size())};
+  const std::span<const std::byte> bytes = sections.subspan(at, entry.count * kind.entry_bytes);
+  if (const uint64_t found = checksum(bytes); found != entry.checksum)
+    return Error{fmt::format("{} @{:#x}: checksum {:016x} != {:016x}", kind.name, entry.offset, found, entry.checksum)};
+  ByteReader reader(bytes);
+  table.resize(entry.count);
+  for (Entry& e : table) get(reader, e);
+  return Done{};
+}
+
+std::string find_vlod_defect(const CellsFile& file, uint64_t vlods_end) {
+  if (file.vlods.size() != file.tables.cells.size())
+    return fmt::format("{} cells with {} vLODs", file.tables.cells.size(), file.vlods.size());
+  for (size_t i = 0; i < file.vlods.size(); ++i) {
+    const VlodRecord& v = file.vlods[i];
+    if (v.offset < kCellsHeaderBytes || v.offset > vlods_end || v.stored_bytes > vlods_end - v.offset)
+      return fmt::format("vLOD {}: {} bytes @{:#x} are not between {:#x} and {:#x}", i, v.stored_bytes, v.offset,
+                         kCellsHeaderBytes, vlods_end);
+    if (v.nodes > file.owner.nodes) return fmt::format("vLOD {}: {} of {} nodes", i, v.nodes, file.owner.nodes);
+    if (v.base == kNoCell) continue;
+    if (index_of(v.base) >= file.vlods.size() || file.vlods[index_of(v.base)].base != kNoCell)
+      return fmt::format("vLOD {}: its base {} is no cell with a set of its own", i, index_of(v.base));
+  }
+  return {};
+}
+
+}  // namespace
+
+EncodedCells encode_cells(const CellsFile& file, uint64_t sections_offset) {
+  ByteWriter header, sections;
+  for (const char c : kMagic) header.put(static_cast<uint8_t>(c));
+  header.put(kCellsVersion), header.put(static_cast<uint32_t>(kSections.size()));
+  header.put(file.owner.tables_checksum), header.put(file.owner.nodes), header.put(uint32_t(0));
+  const FrontBound& bound = file.tables.bound;
+  header.put(bound.pixel_error), header.put(bound.scale.focal_px), header.put(bound.scale.tan_corner);
+  put(header, file.tables.box);
+  uint32_t number = 0;
+  for_each_section(file, [&](const SectionKind& kind, const auto& table) {
+    while (sections.size() % kAlignment != 0) sections.put(uint8_t(0));
+    const size_t begin = sections.size();
+    for (const auto& entry : table) put(sections, entry);
+    put(header, ListEntry{++number, kind.entry_bytes, table.size(), sections_offset + begin,
+                          checksum(sections.bytes().subspan(begin))});
+  });
+  header.put(checksum(header.bytes()));
+  return {header.take(), sections.take()};
+}
+
+Result<uint64_t> sections_offset_of(std::span<const std::byte> header, uint64_t file_bytes) {
+  PROMENADE_TRY(check_header(header));
+  ByteReader reader(header.subspan(kListOffset));
+  const uint64_t offset = get_entry(reader).offset;
+  if (offset < kCellsHeaderBytes || offset % kAlignment != 0 || offset > file_bytes)
+    return Error{fmt::format("header: sections @{:#x} of {:#x} bytes", offset, file_bytes)};
+  return offset;
+}
+
+Result<CellsFile> decode_cells(std::span<const std::byte> header, std::span<const std::byte> sections,
+                               uint64_t file_bytes) {
+  const Result<uint64_t> begin = sections_offset_of(header, file_bytes);
+  if (!begin) return begin.error();
+  if (sections.size() != file_bytes - *begin)
+    return Error{fmt::format("sections: {} bytes, {} are due", sections.size(), file_bytes - *begin)};
+  CellsFile file;
+  ByteReader reader(header.subspan(kMagic.size() + 2 * sizeof(uint32_t)));
+  file.owner.tables_checksum = reader.get<uint64_t>();
+  file.owner.nodes = reader.get<uint32_t>();
+  reader.get<uint32_t>();
+  FrontBound& bound = file.tables.bound;
+  bound.pixel_error = reader.get<double>();
+  bound.scale.focal_px = reader.get<double>(), bound.scale.tan_corner = reader.get<double>();
+  get(reader, file.tables.box);
+  Status status = Done{};
+  size_t number = 0;
+  uint64_t end = *begin;
+  for_each_section(file, [&](const SectionKind& kind, auto& table) {
+    const ListEntry entry = get_entry(reader);
+    if (!status) return;
+    status = read_section(sections, *begin, entry, number++, aligned(end), table);
+    if (status) end = entry.offset + entry.count * kind.entry_bytes;
+  });
+  if (!status) return status.error();
+  if (end != file_bytes)
+    return Error{fmt::format("end @{:#x}: {} bytes follow the last section", end, file_bytes - end)};
+  std::string defect = find_defect(file.tables);
+  if (defect.empty()) defect = find_vlod_defect(file, *begin);
+  if (!defect.empty()) return Error{defect};
+  return file;
+}
+
+}  // namespace promenade

@@ -1,0 +1,216 @@
+#include "preprocess/visibility/view_volume.h"
+
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+
+#include "preprocess/survey.h"
+
+namespace promenade {
+
+namespace {
+
+using Kind = ViewVolume::Kind;
+
+constexpr std::array<glm::ivec3, 6> kSteps = {glm::ivec3(-1, 0, 0), glm::ivec3(1, 0, 0),  glm::ivec3(0, -1, 0),
+                                              glm::ivec3(0, 1, 0),  glm::ivec3(0, 0, -1), glm::ivec3(0, 0, 1)};
+
+/// Fronts and backs that a space sees, in areas of a cube's side over kAreaParts. Whole numbers: the sum does not
+/// depend on the order of threads.
+constexpr float kAreaParts = 64;
+/// One triangle votes at no more places than this squared, and no more than this at each: sums stay far from overflow.
+constexpr int kMostPlaces = 16;
+constexpr float kMostVotes = 1 << 14;
+
+class Surveyor {
+ public:
+  Surveyor(const ModelReader& reader, const VoxelGrid& grid, JobMonitor& monitor)
+      : reader_(reader), grid_(grid), monitor_(monitor), kinds_(grid.size(), Kind::unknown), votes_(grid.size(), 0) {
+    const ModelTables& tables = reader.model().tables;
+    for (uint32_t i = 0; i < tables.nodes.size(); ++i)
+      if (tables.nodes[i].child_count == 0) leaves_.push_back(NodeId{i});
+  }
+
+  Result<ViewVolume> run() {
+    PROMENADE_TRY(for_each_leaf([this](const Mesh& mesh) { mark(mesh); }));
+    PROMENADE_TRY(for_each_leaf([this](const Mesh& mesh) { vote(mesh); }));
+    open_from_the_top();
+    judge_the_rest();
+    return ViewVolume(grid_, std::move(kinds_));
+  }
+
+ private:
+  template <class Visit>
+  Status for_each_leaf(Visit visit) {
+    std::mutex mutex;
+    std::optional<Error> failure;
+    std::atomic<bool> stop = false;
+    tbb::parallel_for(size_t(0), leaves_.size(), [&](size_t i) {
+      if (stop || monitor_.cancelled()) return;
+      const Result<Mesh> mesh = reader_.read_mesh(leaves_[i]);
+      if (mesh) return visit(*mesh);
+      const std::lock_guard lock(mutex);
+      if (!failure) failure = mesh.error();
+      stop = true;
+    });
+    done_ += leaves_.size();
+    monitor_.progress("viewing space", done_, 2 * leaves_.size());
+    if (failure) return *failure;
+    if (monitor_.cancelled()) return Error{kInterrupted};
+    return Done{};
+  }
+
+  static Corners corners_of(const Mesh& mesh, size_t triangle) {
+    const uint32_t* at = mesh.indices.data() + 3 * triangle;
+    return {mesh.positions[at[0]], mesh.positions[at[1]], mesh.positions[at[2]]};
+  }
+
+  void mark(const Mesh& mesh) {
+    for (size_t t = 0; t < mesh.triangle_count(); ++t)
+      for_each_touched(grid_, corners_of(mesh, t), [this](const glm::ivec3& at) {
+        std::atomic_ref(kinds_[grid_.index(at)]).store(Kind::surface, std::memory_order_relaxed);
+      });
+  }
+
+  /// Each triangle tells the space before it that it shows its front there, and the space behind it that it shows its
+  /// back: at one place for each cube's area or so.
+  void vote(const Mesh& mesh) {
+    for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+      const Corners p = corners_of(mesh, t);
+      const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+      const float length = glm::length(cross);
+      if (!(length > 0)) continue;
+      const glm::vec3 normal = cross / length;
+      const float cubes = length / 2 / (grid_.step_m * grid_.step_m);
+      const int places = std::clamp(static_cast<int>(std::sqrt(cubes)), 1, kMostPlaces);
+      const float votes = cubes * kAreaParts / float(places * places);
+      const int32_t whole = static_cast<int32_t>(std::clamp(votes, 1.0F, kMostVotes));
+      const bool two_sided = reader_.model().tables.materials[mesh.material_of(t)].two_sided;
+      for (int i = 0; i < places; ++i)
+        for (int j = 0; j < places; ++j) {
+          // Even over the triangle: a point of the square, folded onto its half.
+          float u = (float(i) + 0.5F) / float(places), v = (float(j) + 0.5F) / float(places);
+          if (u + v > 1) u = 1 - u, v = 1 - v;
+          const glm::vec3 at = p[0] + (p[1] - p[0]) * u + (p[2] - p[0]) * v;
+          tell(at, normal, whole);
+          tell(at, -normal, two_sided ? whole : -whole);
+        }
+    }
+  }
+
+  /// The first cube in that direction that is no surface's hears the vote.
+  void tell(const glm::vec3& from, const glm::vec3& direction, int32_t votes) {
+    constexpr int kReach = 6;  // half cubes
+    for (int i = 1; i <= kReach; ++i) {
+      const glm::ivec3 at = grid_.place(from + direction * (0.5F * float(i) * grid_.step_m));
+      if (!grid_.holds(at)) return;
+      const size_t index = grid_.index(at);
+      if (kinds_[index] == Kind::surface) continue;
+      std::atomic_ref(votes_[index]).fetch_add(votes, std::memory_order_relaxed);
+      return;
+    }
+  }
+
+  /// Makes the space around a cube `kind`; returns the votes that it heard.
+  int64_t flood(const glm::ivec3& seed, Kind kind) {
+    int64_t votes = 0;
+    kinds_[grid_.index(seed)] = kind;
+    stack_.assign(1, static_cast<uint32_t>(grid_.index(seed)));
+    while (!stack_.empty()) {
+      const uint32_t index = stack_.back();
+      stack_.pop_back();
+      votes += votes_[index];
+      const glm::ivec3 at = grid_.at(index);
+      for (const glm::ivec3& step : kSteps) {
+        const glm::ivec3 next = at + step;
+        if (!grid_.holds(next)) continue;
+        Kind& there = kinds_[grid_.index(next)];
+        if (there == kind || there == Kind::surface) continue;
+        there = kind;
+        stack_.push_back(static_cast<uint32_t>(grid_.index(next)));
+      }
+    }
+    return votes;
+  }
+
+  void open_from_the_top() {
+    for (int y = 0; y < grid_.count.y; ++y)
+      for (int x = 0; x < grid_.count.x; ++x)
+        if (const glm::ivec3 at(x, y, grid_.count.z - 1); kinds_[grid_.index(at)] == Kind::unknown)
+          flood(at, Kind::open);
+  }
+
+  void judge_the_rest() {
+    for (int z = 0; z < grid_.count.z; ++z)
+      for (int y = 0; y < grid_.count.y; ++y)
+        for (int x = 0; x < grid_.count.x; ++x) {
+          const glm::ivec3 at(x, y, z);
+          if (kinds_[grid_.index(at)] != Kind::unknown) continue;
+          if (flood(at, Kind::solid) > 0) flood(at, Kind::open);
+        }
+  }
+
+  const ModelReader& reader_;
+  VoxelGrid grid_;
+  JobMonitor& monitor_;
+  std::vector<NodeId> leaves_;
+  std::vector<Kind> kinds_;
+  std::vector<int32_t> votes_;
+  std::vector<uint32_t> stack_;
+  uint64_t done_ = 0;
+};
+
+}  // namespace
+
+bool ViewVolume::may_stand(const glm::ivec3& at) const {
+  const Kind here = kind(at);
+  if (here != Kind::surface) return here == Kind::open;
+  return std::any_of(kSteps.begin(), kSteps.end(),
+                     [&](const glm::ivec3& step) { return grid_.holds(at + step) && kind(at + step) == Kind::open; });
+}
+
+bool ViewVolume::is_open(const Box& box) const {
+  // Shrunk by a little: a cube that the box only touches is another box's.
+  const glm::vec3 rim(grid_.step_m * 1e-3F);
+  const glm::ivec3 low = grid_.clamped(grid_.place(box.min + rim)), high = grid_.clamped(grid_.place(box.max - rim));
+  for (int z = low.z; z <= high.z; ++z)
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x)
+        if (may_stand({x, y, z})) return true;
+  return false;
+}
+
+void ViewVolume::keep_walkable(float height_m) {
+  const int reach = std::max(1, static_cast<int>(std::ceil(height_m / grid_.step_m)));
+  for (int y = 0; y < grid_.count.y; ++y)
+    for (int x = 0; x < grid_.count.x; ++x) {
+      int above = reach + 1;  // cubes since the last surface
+      for (int z = 0; z < grid_.count.z; ++z) {
+        Kind& here = kinds_[grid_.index({x, y, z})];
+        above = here == Kind::surface ? 0 : above + 1;
+        if (here == Kind::open && above > reach) here = Kind::unknown;
+      }
+    }
+}
+
+void ViewVolume::keep_inside(const std::vector<Box>& boxes) {
+  for (int z = 0; z < grid_.count.z; ++z)
+    for (int y = 0; y < grid_.count.y; ++y)
+      for (int x = 0; x < grid_.count.x; ++x) {
+        const glm::vec3 low = grid_.box.min + glm::vec3(x, y, z) * grid_.step_m;
+        const Box cube{low, low + grid_.step_m};
+        const auto touches = [&cube](const Box& box) { return box.overlaps(cube); };
+        if (Kind& here = kinds_[grid_.index({x, y, z})];
+            here == Kind::open && std::none_of(boxes.begin(), boxes.end(), touches))
+          here = Kind::unknown;
+      }
+}
+
+Result<ViewVolume> survey_volume(const ModelReader& reader, const Box& space, uint64_t max_voxels,
+                                 JobMonitor& monitor) {
+  return Surveyor(reader, VoxelGrid::over(space, max_voxels), monitor).run();
+}
+
+}  // namespace promenade

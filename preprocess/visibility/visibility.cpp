@@ -1,0 +1,219 @@
+#include "preprocess/visibility/visibility.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "codec/frame.h"
+#include "preprocess/byte_io.h"
+#include "preprocess/visibility/view_cells.h"
+#include "preprocess/visibility/view_volume.h"
+
+namespace promenade {
+
+namespace {
+
+constexpr uint64_t kVoxels = 8 << 20;  // 72 MiB, within the least memory that a build takes
+/// Air above the model that belongs to viewing space, in heights of the model.
+constexpr float kSky = 0.25F;
+/// The uniform grid that division starts from takes at most this part of the cells.
+constexpr uint32_t kStartPart = 8;
+constexpr uint32_t kFewestCells = 256, kMostCells = 16384, kCellsPerNode = 4;
+
+Box viewing_space(const Model& model) {
+  Box box;
+  for (const NodeId root : model.tables.roots) box.add(model.tables.nodes[index_of(root)].box);
+  // A flat model has no volume to walk in: give it some.
+  const float least = std::max(box.diagonal() * 1e-3F, 1e-3F);
+  for (int i = 0; i < 3; ++i)
+    if (box.size()[i] < least) box.min[i] -= least, box.max[i] += least;
+  box.max.z += kSky * box.size().z;
+  return box;
+}
+
+/// Division of viewing space under way: the plan, and the vLODs of its cells.
+class Division {
+ public:
+  Division(const ModelReader& reader, const ViewVolume& volume, CellUnits& units, const VisibilityOptions& options)
+      : volume_(volume), units_(units), options_(options), plan_(viewing_space(reader.model())) {
+    const uint64_t nodes = reader.model().tables.nodes.size();
+    most_ = options.max_cells != 0
+                ? options.max_cells
+                : static_cast<uint32_t>(std::clamp<uint64_t>(kCellsPerNode * nodes, kFewestCells, kMostCells));
+  }
+
+  Status run() {
+    const std::vector<uint32_t> start = start_grid();
+    PROMENADE_TRY(evaluate(start));
+    for (const uint32_t leaf : start) open_.push_back(leaf);
+    cells_ = start.size();
+    while (true) {
+      const std::vector<uint32_t> chosen = choose();
+      if (chosen.empty()) return Done{};
+      PROMENADE_TRY(divide(chosen));
+    }
+  }
+
+  Visibility result(const FrontBound& bound) {
+    Visibility made;
+    std::vector<uint32_t> leaves;
+    made.cells = tables_of(plan_, bound, leaves);
+    for (const uint32_t leaf : leaves) made.vlods.push_back(std::move(vlods_[leaf]));
+    return made;
+  }
+
+ private:
+  /// Halves everything until the next halving would make too many cells.
+  std::vector<uint32_t> start_grid() {
+    std::vector<uint32_t> leaves = {CellPlan::kRoot};
+    mark(leaves);
+    while (true) {
+      std::vector<uint32_t> finer, divided;
+      for (const uint32_t leaf : leaves) {
+        std::vector<uint32_t> parts = divisible(leaf) ? plan_.split_octants(leaf) : std::vector<uint32_t>();
+        if (parts.empty())
+          parts = {leaf};
+        else
+          divided.push_back(leaf);
+        mark(parts);
+        finer.insert(finer.end(), parts.begin(), parts.end());
+      }
+      if (divided.empty()) return leaves;
+      if (finer.size() > std::max(1U, most_ / kStartPart)) {
+        for (const uint32_t leaf : divided) plan_.merge(leaf);
+        return leaves;
+      }
+      leaves = std::move(finer);
+    }
+  }
+
+  /// Makes cells of the leaves in which somebody may stand, and drops the others.
+  void mark(std::vector<uint32_t>& leaves) {
+    std::erase_if(leaves, [this](uint32_t leaf) { return !volume_.is_open(plan_.box_of(leaf)); });
+    for (const uint32_t leaf : leaves) plan_.set_cell(leaf, true);
+  }
+
+  bool divisible(uint32_t leaf) const {
+    const Box& box = plan_.box_of(leaf);
+    return box.size()[box.longest_axis()] >= 2 * static_cast<float>(options_.smallest_cell_m);
+  }
+
+  Status evaluate(const std::vector<uint32_t>& leaves) {
+    std::vector<Box> boxes;
+    for (const uint32_t leaf : leaves) boxes.push_back(plan_.box_of(leaf));
+    Result<std::vector<CodedVlod>> made = units_.run(fmt::format("{:03}", round_++), boxes);
+    if (!made.ok()) return made.error();
+    for (size_t i = 0; i < leaves.size(); ++i) vlods_[leaves[i]] = std::move((*made)[i]);
+    return Done{};
+  }
+
+  /// The cells to divide next: those that see most, as many as half of what may still be made, so that their parts
+  /// compete with the rest.
+  std::vector<uint32_t> choose() {
+    std::erase_if(
+        open_, [this](uint32_t leaf) { return vlods_[leaf].triangles <= options_.cell_triangles || !divisible(leaf); });
+    std::sort(open_.begin(), open_.end(), [this](uint32_t a, uint32_t b) {
+      const uint64_t of_a = vlods_[a].triangles, of_b = vlods_[b].triangles;
+      return of_a != of_b ? of_a > of_b : a < b;
+    });
+    constexpr size_t kParts = 8;
+    const size_t left = most_ > cells_ ? (most_ - cells_) / (kParts - 1) : 0;
+    const size_t count = std::min(open_.size(), (left + 1) / 2);
+    std::vector<uint32_t> chosen(open_.begin(), open_.begin() + static_cast<std::ptrdiff_t>(count));
+    open_.erase(open_.begin(), open_.begin() + static_cast<std::ptrdiff_t>(count));
+    return chosen;
+  }
+
+  /// Divides cells, and undoes it where it does not help.
+  Status divide(const std::vector<uint32_t>& leaves) {
+    std::vector<std::vector<uint32_t>> parts_of;
+    std::vector<uint32_t> all;
+    for (const uint32_t leaf : leaves) {
+      std::vector<uint32_t> parts = plan_.split_octants(leaf);
+      mark(parts);
+      all.insert(all.end(), parts.begin(), parts.end());
+      parts_of.push_back(std::move(parts));
+    }
+    PROMENADE_TRY(evaluate(all));
+    for (size_t i = 0; i < leaves.size(); ++i) {
+      const std::vector<uint32_t>& parts = parts_of[i];
+      uint64_t least = ~uint64_t(0);
+      for (const uint32_t part : parts) least = std::min(least, vlods_[part].triangles);
+      constexpr uint64_t kHelps = 2;  // [chhugani2003] section 2.1
+      if (parts.empty() || vlods_[leaves[i]].triangles <= kHelps * least) {
+        plan_.merge(leaves[i]);
+        for (const uint32_t part : parts) vlods_.erase(part);
+        continue;
+      }
+      vlods_.erase(leaves[i]);
+      open_.insert(open_.end(), parts.begin(), parts.end());
+      cells_ += parts.size() - 1;
+    }
+    return Done{};
+  }
+
+  const ViewVolume& volume_;
+  CellUnits& units_;
+  const VisibilityOptions& options_;
+  CellPlan plan_;
+  uint32_t most_ = 0;
+  size_t cells_ = 0;
+  uint32_t round_ = 0;
+  std::map<uint32_t, CodedVlod> vlods_;  ///< by leaf of the plan
+  std::vector<uint32_t> open_;           ///< leaves that may be divided further
+};
+
+Result<ViewVolume> volume_of(const ModelReader& reader, const VisibilityOptions& options, JobMonitor& monitor) {
+  Result<ViewVolume> volume = survey_volume(reader, viewing_space(reader.model()), kVoxels, monitor);
+  if (!volume.ok()) return volume;
+  if (options.walk_height_m) volume->keep_walkable(static_cast<float>(*options.walk_height_m));
+  if (!options.inside.empty()) {
+    std::vector<Box> boxes;
+    const glm::dvec3& origin = reader.model().manifest.origin;
+    for (const DBox& box : options.inside) boxes.push_back({box.min - origin, box.max - origin});
+    volume->keep_inside(boxes);
+  }
+  return volume;
+}
+
+uint64_t hash_of(const FrontBound& bound, uint64_t hash) {
+  ByteWriter writer;
+  writer.value(hash), writer.value(bound.pixel_error), writer.value(bound.scale.focal_px);
+  writer.value(bound.scale.tan_corner);
+  return checksum(writer.bytes());
+}
+
+VisibilityFigures figures_of(const Visibility& made, const CellUnitCounts& units) {
+  VisibilityFigures figures;
+  figures.cells = made.vlods.size();
+  for (const CodedVlod& vlod : made.vlods) {
+    figures.vlod_nodes_mean += vlod.nodes, figures.vlod_triangles_mean += double(vlod.triangles);
+    figures.front_nodes_mean += vlod.front_nodes, figures.front_triangles_mean += double(vlod.front_triangles);
+  }
+  const double count = std::max<double>(1, double(made.vlods.size()));
+  for (double* mean : {&figures.vlod_nodes_mean, &figures.vlod_triangles_mean, &figures.front_nodes_mean,
+                       &figures.front_triangles_mean})
+    *mean /= count;
+  figures.units = units;
+  figures.ms_per_cell = units.cells > 0 ? units.busy_ms / double(units.cells) : 0;
+  return figures;
+}
+
+}  // namespace
+
+Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const VisibilityOptions& options,
+                                      uint64_t hash, const WorkFolder& folder, JobMonitor& monitor) {
+  const Result<ViewVolume> volume = volume_of(reader, options, monitor);
+  if (!volume.ok()) return volume.error();
+  const FrontBound bound = bound_of(options);
+  CellUnits units(reader.model(), hiders, bound, hash_of(bound, hash), folder, monitor);
+  Division division(reader, *volume, units, options);
+  PROMENADE_TRY(division.run());
+  Visibility made = division.result(bound);
+  made.figures = figures_of(made, units.counts());
+  return made;
+}
+
+}  // namespace promenade

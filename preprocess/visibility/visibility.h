@@ -1,0 +1,74 @@
+#pragma once
+// The visibility stage of a build: from a staged model to its view cells and what each of them sees.
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "layout/model_io.h"
+#include "preprocess/visibility/cell_units.h"
+
+namespace promenade {
+
+/// How viewing space is divided.
+enum class CellStyle : uint8_t {
+  none,       ///< not at all: the tree alone serves
+  automatic,  ///< as the model asks
+  octree,     ///< halves along every axis
+};
+
+struct VisibilityOptions {
+  CellStyle cells = CellStyle::none;
+  double pixel_error = 1;                     ///< bound of the fronts, pixels. Smaller: finer fronts, larger vLODs
+  uint32_t width_px = 1280, height_px = 720;  ///< the picture that it is meant for
+  double vertical_fov_deg = 60;
+  ErrorAt error_at = ErrorAt::center;
+  /// Most triangles of a vLOD that is not divided further. Smaller: more cells, less drawn.
+  uint64_t cell_triangles = 100000;
+  double smallest_cell_m = 4;           ///< no cell is divided whose parts would be shorter than this along every axis
+  uint32_t max_cells = 0;               ///< 0: four a node, 256 to 16384. The largest vLODs are divided first
+  std::optional<double> walk_height_m;  ///< only space this high above what one may stand on; nullopt: up to the sky
+  std::vector<DBox> inside;             ///< only space in these boxes, metres, world; empty: everywhere
+};
+
+/// The camera and the bound that the options name.
+FrontBound bound_of(const VisibilityOptions& options);
+
+/// Refuses what no build can do; the message names the option.
+Status check_options(const VisibilityOptions& options);
+/// Of every option that the result depends on.
+uint64_t hash_of(const VisibilityOptions& options);
+/// By option name, for the manifest.
+std::map<std::string, std::string> settings_of(const VisibilityOptions& options);
+
+/// "none", "auto", "octree".
+std::string_view name_of(CellStyle style);
+std::optional<CellStyle> cell_style_named(std::string_view name);
+
+struct VisibilityFigures {
+  uint64_t cells = 0;
+  double vlod_nodes_mean = 0, vlod_triangles_mean = 0;
+  double front_nodes_mean = 0, front_triangles_mean = 0;  ///< before hiding
+  double ms_per_cell = 0;                                 ///< of one core
+  CellUnitCounts units;
+};
+
+struct Visibility {
+  CellTables cells;
+  std::vector<CodedVlod> vlods;  ///< by CellId
+  VisibilityFigures figures;
+};
+
+/// Divides viewing space and computes what is seen from each part. Cells that see more than cell_triangles are divided,
+/// largest first, while that helps: while one of the parts sees less than half as much. hash: of the model's bytes and
+/// all that hiders depend on. Same result at any thread count and after any interruption.
+/// Errors: reading the model, a hider's, the disk's, cancellation.
+/// Source: [chhugani2003] section 2.1.
+Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const VisibilityOptions& options,
+                                      uint64_t hash, const WorkFolder& folder, JobMonitor& monitor);
+
+}  // namespace promenade
