@@ -6,6 +6,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "cli/values.h"
 #include "geometry/job_monitor.h"
@@ -30,6 +31,8 @@ Command add_render(CLI::App& program);
 Command add_fly(CLI::App& program);
 Command add_view(CLI::App& program);
 Command add_verify(CLI::App& program);
+/// One for each part of `study`.
+std::vector<Command> add_study(CLI::App& program);
 
 struct ImportOptions;
 /// --unit, --up, --no-repair: how a source is read.

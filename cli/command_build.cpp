@@ -5,6 +5,7 @@
 #include "cli/command.h"
 #include "cli/console.h"
 #include "preprocess/build.h"
+#include "preprocess/visibility/hider_chain.h"
 
 namespace promenade {
 namespace {
@@ -79,6 +80,17 @@ Result<ErrorAt> parse_error_at(const std::string& text) {
 void add_cell_options(CLI::App& app, VisibilityOptions& o) {
   CLI::Option_group* group = app.add_option_group("view cells", "What can be seen from where, computed once");
   o.cells = CellStyle::automatic;
+  o.hiders = default_hiders();
+  group
+      ->add_option_function<std::string>(
+          "--hiders",
+          [&o](const std::string& text) {
+            const Result<std::vector<std::string>> names = parse_hiders(text);
+            if (!names) throw CLI::ValidationError("--hiders", names.error().message);
+            o.hiders = *names;
+          },
+          fmt::format("What proves that nodes are hidden, in order: none or some of {}", hider_names()))
+      ->default_str(fmt::format("{}", fmt::join(default_hiders(), ",")));
   add_parsed<CellStyle>(*group, "--cells", o.cells, parse_cells, "How viewing space is divided: auto, octree or none")
       ->default_str("auto");
   group->add_option("--pixel-error", o.pixel_error, "Projected error that is allowed from anywhere in a cell, pixels")
@@ -105,7 +117,7 @@ void add_cell_options(CLI::App& app, VisibilityOptions& o) {
   group->add_option("--smallest-cell", o.smallest_cell_m, "No cell is divided into parts shorter than this, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  group->add_option("--max-cells", o.max_cells, "Most cells, about (0: four a node, 256 to 16384)")
+  group->add_option("--max-cells", o.max_cells, "Most cells, about (0: eight a node, 256 to 16384)")
       ->capture_default_str();
   group
       ->add_option_function<double>(

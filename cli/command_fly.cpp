@@ -84,6 +84,9 @@ void print_totals(const FlyArguments& arguments, const FlightTotals& t) {
              t.frame_ms_p99, t.frame_ms_stddev);
   fmt::print("  {:.0f} triangles and {:.1f} nodes a frame, {:.3f} missing, {:.4f} toggles a frame\n",
              t.triangles_drawn_mean, t.nodes_drawn_mean, t.nodes_missing_mean, t.toggles_per_frame);
+  if (t.cells_crossed > 0)
+    fmt::print("  {} cells crossed, {:.0f} nodes and {:.0f} bytes a step, {} frames before a cell's vLOD was read\n",
+               t.cells_crossed, t.delta_nodes_mean, t.delta_bytes_mean, t.vlods_missing);
   fmt::print("  {} of {} resident at most, {} read in {} reads\n", human_bytes(t.resident_bytes_peak),
              human_bytes(t.memory_bytes), human_bytes(t.bytes_read), t.reads);
   if (!arguments.report_file.empty()) fmt::print("  report: {}\n", arguments.report_file.string());
@@ -142,7 +145,7 @@ Command add_fly(CLI::App& program) {
   app->add_flag("--real-time", arguments->real_time,
                 "Move by the clock and drop late frames, instead of drawing every frame of the path");
   add_camera_options(*app, arguments->view);
-  add_policy_options(*app, arguments->view, Policy::time_slices, uint64_t(256) << 20);
+  add_policy_options(*app, arguments->view, Policy::vlod_time_slices, uint64_t(256) << 20);
   add_renderer_options(*app, arguments->view);
   return {app, {}, [arguments](JobMonitor& monitor, Json& figures) { return run_fly(*arguments, monitor, figures); }};
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <span>
 
 #include "cli/command.h"
 #include "cli/console.h"
@@ -91,18 +93,96 @@ void print_model(const std::filesystem::path& path, const Model& model) {
   for (const std::string& note : manifest.notes) fmt::print("  note: {}\n", note);
 }
 
+Json json_of(const DBox& box) {
+  return {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}};
+}
+
+Json json_of(std::span<const NodeId> nodes) {
+  Json ids = Json::array();
+  for (const NodeId id : nodes) ids.push_back(index_of(id));
+  return ids;
+}
+
+/// The view cells altogether.
+Json json_of_cells(const CellsReader& cells) {
+  uint64_t nodes = 0, bytes = 0, sets = 0;
+  for (const VlodRecord& vlod : cells.vlods()) {
+    nodes += vlod.nodes, bytes += vlod.stored_bytes;
+    sets += vlod.base == kNoCell ? 1 : 0;
+  }
+  const double count = std::max(1.0, double(cells.vlods().size()));
+  const FrontBound& bound = cells.tables().bound;
+  return {{"cells", cells.tables().cells.size()},
+          {"faces", cells.tables().faces.size()},
+          {"portals", cells.tables().portals.size()},
+          {"pixel_error", bound.pixel_error},
+          {"focal_px", bound.scale.focal_px},
+          {"tan_corner", bound.scale.tan_corner},
+          {"vlod_nodes_mean", double(nodes) / count},
+          {"vlod_bytes_mean", double(bytes) / count},
+          {"vlods_whole", sets}};
+}
+
+/// One cell and what is seen from it. eye: world.
+Status describe_cell(const ModelReader& reader, const glm::dvec3& eye, Json& figures) {
+  if (reader.cells() == nullptr) return Error{"the model has no view cells; build it with --cells auto"};
+  const CellTables& tables = reader.cells()->tables();
+  const glm::dvec3& origin = reader.model().manifest.origin;
+  const std::optional<CellId> id = cell_at(tables, eye - origin);
+  if (!id) return Error{fmt::format("no view cell holds {},{},{}: the tree alone serves there", eye.x, eye.y, eye.z)};
+  const Box& box = tables.cells[index_of(*id)].box;
+  const DBox world{glm::dvec3(box.min) + origin, glm::dvec3(box.max) + origin};
+  const Result<Vlod> vlod = reader.cells()->read_vlod(*id);
+  if (!vlod) return vlod.error();
+  const std::vector<NodeId> front = cell_front(reader.model(), box, tables.bound);
+  Json neighbours = Json::array();
+  for (const uint32_t face : tables.faces_of(*id)) neighbours.push_back(index_of(tables.faces[face].other(*id)));
+  figures["cell"] = {{"id", index_of(*id)}, {"box", json_of(world)}};
+  figures["neighbours"] = neighbours;
+  figures["front"] = json_of(front);
+  figures["vlod"] = json_of(vlod->nodes);
+  fmt::print(
+      "  cell {}: {:.2f},{:.2f},{:.2f} to {:.2f},{:.2f},{:.2f}, {} neighbours, {} of the {} nodes of its front "
+      "may be seen\n",
+      index_of(*id), world.min.x, world.min.y, world.min.z, world.max.x, world.max.y, world.max.z, neighbours.size(),
+      vlod->nodes.size(), front.size());
+  return Done{};
+}
+
+Result<glm::dvec3> parse_point(const std::string& text) {
+  const Result<Pose> pose = parse_pose(text + ",0,0");
+  if (!pose || std::count(text.begin(), text.end(), ',') != 2)
+    return Error{fmt::format("\"{}\" is no point: x,y,z in metres", text)};
+  return pose->eye;
+}
+
 }  // namespace
 
 Command add_info(CLI::App& program) {
-  auto path = std::make_shared<std::filesystem::path>();
+  struct Arguments {
+    std::filesystem::path path;
+    std::optional<glm::dvec3> eye;
+  };
+  auto arguments = std::make_shared<Arguments>();
   CLI::App* app = program.add_subcommand("info", "What is inside a model: counts, sizes by part, settings, provenance");
-  app->add_option("MODEL", *path, "A directory that build made")->required();
-  return {app, {}, [path](JobMonitor&, Json& figures) -> Status {
-            const Result<ModelReader> reader = ModelReader::open(*path);
+  app->add_option("MODEL", arguments->path, "A directory that build made")->required();
+  app->add_option_function<std::string>(
+         "--cell",
+         [arguments](const std::string& text) {
+           const Result<glm::dvec3> point = parse_point(text);
+           if (!point) throw CLI::ValidationError("--cell", point.error().message);
+           arguments->eye = *point;
+         },
+         "The view cell that holds this point, and what is seen from it (with --json: its nodes)")
+      ->type_name("x,y,z");
+  return {app, {}, [arguments](JobMonitor&, Json& figures) -> Status {
+            const Result<ModelReader> reader = ModelReader::open(arguments->path);
             if (!reader) return reader.error();
-            print_model(*path, reader->model());
+            print_model(arguments->path, reader->model());
             figures = json_of_model(reader->model());
-            return Done{};
+            if (reader->cells() != nullptr) figures["view_cells"] = json_of_cells(*reader->cells());
+            if (!arguments->eye) return Done{};
+            return describe_cell(*reader, *arguments->eye, figures);
           }};
 }
 

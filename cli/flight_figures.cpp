@@ -32,6 +32,10 @@ Json json_of_row(const FrameRow& row) {
           {"toggles_down", row.toggles_down},
           {"resident_bytes", row.resident_bytes},
           {"bytes_read", row.bytes_read},
+          {"cell", row.cell ? Json(index_of(*row.cell)) : Json()},
+          {"vlod_missing", row.vlod_missing},
+          {"delta_nodes", row.delta_nodes},
+          {"delta_bytes", row.delta_bytes},
           {"nodes_by_level", row.nodes_by_level}};
 }
 
@@ -179,6 +183,8 @@ Json json_of(const FlightReport& report) {
                {"toggles_per_frame", t.toggles_per_frame},
                {"cells_crossed", t.cells_crossed},
                {"delta_bytes_mean", t.delta_bytes_mean},
+               {"delta_nodes_mean", t.delta_nodes_mean},
+               {"vlods_missing", t.vlods_missing},
                {"bytes_read", t.bytes_read},
                {"reads", t.reads},
                {"bytes_read_useful", t.bytes_read_useful},

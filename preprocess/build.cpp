@@ -13,10 +13,13 @@
 #include "preprocess/assemble.h"
 #include "preprocess/byte_io.h"
 #include "preprocess/partition.h"
+#include "preprocess/visibility/hider_chain.h"
 
 namespace promenade {
 
 namespace {
+
+constexpr uint64_t kHidersPart = 2;  // of the memory: nothing else of a build is in it by then
 
 constexpr uint32_t kUnitsVersion = 1;  // of the work units' content: a change makes builds begin anew
 
@@ -227,8 +230,15 @@ class Build {
   Status add_cells(ModelWriter& writer) {
     const Result<ModelReader> reader = ModelReader::open(writer.staged_folder(), files_);
     if (!reader.ok()) return reader.error();
+    const Result<std::vector<std::unique_ptr<Hider>>> hiders =
+        make_hiders(options_.visibility.hiders, *reader, {options_.memory_bytes / kHidersPart}, monitor_);
+    if (!hiders.ok()) return hiders.error();
+    clock_.end("hiders");
+    for (const std::unique_ptr<Hider>& hider : *hiders)
+      if (!hider->is_conservative())
+        monitor_.warning(fmt::format("hider {}: may hide what can be seen", hider->name()));
     const Result<Visibility> made =
-        compute_visibility(*reader, {}, options_.visibility, hash_of(options_, hash_), folder_, monitor_);
+        compute_visibility(*reader, *hiders, options_.visibility, hash_of(options_, hash_), folder_, monitor_);
     if (!made.ok()) return made.error();
     figures_.visibility = made->figures;
     figures_.units_total += made->figures.units.total;

@@ -78,6 +78,8 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
     response_ms.push_back(row.response_ms);
     totals.stalls += row.frame_ms > 2 * target_ms ? 1 : 0;
     totals.bytes_read += row.bytes_read;
+    totals.cells_crossed += row.cell_crossed ? 1 : 0;
+    totals.vlods_missing += row.vlod_missing ? 1 : 0;
     totals.resident_bytes_peak = std::max(totals.resident_bytes_peak, row.resident_bytes);
   }
   totals.frame_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.frame_ms; });
@@ -90,6 +92,9 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
   totals.triangles_drawn_mean = mean_of(rows, [](const FrameRow& r) { return r.triangles_drawn; });
   totals.nodes_drawn_mean = mean_of(rows, [](const FrameRow& r) { return r.nodes_drawn; });
   totals.nodes_missing_mean = mean_of(rows, [](const FrameRow& r) { return r.nodes_missing; });
+  const double crossings = std::max(1.0, double(totals.cells_crossed)), count = double(rows.size());
+  totals.delta_bytes_mean = mean_of(rows, [](const FrameRow& r) { return r.delta_bytes; }) * count / crossings;
+  totals.delta_nodes_mean = mean_of(rows, [](const FrameRow& r) { return r.delta_nodes; }) * count / crossings;
   totals.toggles_per_frame = mean_of(rows, [](const FrameRow& r) { return r.toggles; });
   return totals;
 }

@@ -38,8 +38,10 @@ struct FlightTotals {
   double response_ms_p99 = 0;
   double triangles_drawn_mean = 0, nodes_drawn_mean = 0, nodes_missing_mean = 0;
   double toggles_per_frame = 0;
-  uint64_t cells_crossed = 0;   ///< 0 until models have cells
-  double delta_bytes_mean = 0;  ///< 0 until models have cells
+  uint64_t cells_crossed = 0;   ///< 0 without cells
+  double delta_bytes_mean = 0;  ///< read for a step into another cell; 0 without cells
+  double delta_nodes_mean = 0;  ///< that came or went with a step
+  uint64_t vlods_missing = 0;   ///< frames that the tree alone served inside a cell: its vLOD was not read yet
   uint64_t bytes_read = 0;
   uint64_t reads = 0;              ///< runs of bytes that lie one behind the other in a file
   uint64_t bytes_read_useful = 0;  ///< of segments whose node was drawn before it left memory again

@@ -30,6 +30,7 @@
 
 #include "runtime/loader_counts.h"
 #include "runtime/resident_set.h"
+#include "runtime/vlod_store.h"
 
 namespace promenade {
 
@@ -47,7 +48,9 @@ struct LoaderOptions {
 /// Does the loading, a step at a time, on whatever single thread calls step().
 class Loader {
  public:
-  Loader(const ModelSource& source, const Renderer& renderer, ResidentSet& set, const LoaderOptions& options);
+  /// vlods: may be null. What is passed must outlive it.
+  Loader(const ModelSource& source, const Renderer& renderer, ResidentSet& set, VlodStore* vlods,
+         const LoaderOptions& options);
 
   enum class Outcome : uint8_t { worked, waiting, idle };
   struct Step {
@@ -55,18 +58,22 @@ class Loader {
     double busy_ms = 0;  ///< of the loader's time: what the step took, or what the emulated disk would have
     double owed_ms = 0;  ///< busy_ms less what has truly passed: what a thread must still sleep
   };
-  /// One piece read, or one part decoded and staged, or nothing to do.
+  /// One vLOD read, or one piece of a part, or one part decoded and staged, or nothing to do. vLODs come first: they
+  /// say what is wanted, and are small.
   Step step();
 
  private:
+  Step read_vlod();
   Step read(const ResidentSet::Task& task);
   Step decode(const ResidentSet::Task& task);
 
   const ModelSource& source_;
   const Renderer& renderer_;
   ResidentSet& set_;
+  VlodStore* vlods_;
   LoaderOptions options_;
-  uint32_t last_file_ = 0xffffffffU;  ///< where the emulated head stands
+  static constexpr uint32_t kNoFile = 0xffffffffU;
+  uint32_t last_file_ = kNoFile;  ///< where the emulated head stands
   uint64_t last_end_ = 0;
 };
 

@@ -30,11 +30,19 @@ class ReaderSource final : public ModelSource {
     return decode_image(stored, fmt::format("texture {}", texture), uint64_t(record.width) * record.height);
   }
 
+  const CellTables* cells() const override { return reader_.cells() != nullptr ? &reader_.cells()->tables() : nullptr; }
+  uint32_t vlod_nodes(CellId cell) const override { return reader_.cells()->vlods()[index_of(cell)].nodes; }
+  Result<Vlod> read_vlod(CellId cell) const override { return reader_.cells()->read_vlod(cell); }
+
  private:
   const ModelReader& reader_;
 };
 
 }  // namespace
+
+Result<Vlod> ModelSource::read_vlod(CellId cell) const {
+  return Error{fmt::format("cell {}: the model has no cells", index_of(cell))};
+}
 
 std::unique_ptr<ModelSource> source_of(const ModelReader& reader) { return std::make_unique<ReaderSource>(reader); }
 

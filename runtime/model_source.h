@@ -7,6 +7,7 @@
 
 #include "geometry/mesh.h"
 #include "geometry/result.h"
+#include "layout/cells_io.h"
 #include "layout/model.h"
 
 namespace promenade {
@@ -23,6 +24,12 @@ class ModelSource {
   /// Whole stored bytes to the thing itself, checksum compared first. Safe on any bytes.
   virtual Result<Mesh> decode_mesh(NodeId node, std::span<const std::byte> stored) const = 0;
   virtual Result<Image> decode_texture(uint32_t texture, std::span<const std::byte> stored) const = 0;
+
+  /// The view cells; null: the model has none.
+  virtual const CellTables* cells() const { return nullptr; }
+  /// How many nodes a cell's vLOD has.
+  virtual uint32_t vlod_nodes(CellId cell) const { return static_cast<void>(cell), 0; }
+  virtual Result<Vlod> read_vlod(CellId cell) const;
 };
 
 /// The model that a reader opened. The reader must outlive it.

@@ -55,7 +55,7 @@ float priority_of(const Model& model, NodeId id, const Sight& sight, const Selec
   const double distance_m = priority_distance(node, sight, options);
   const double vis = 1 + time.visibility_weight * frustum_visibility(node, sight, options, distance_m);
   double priority = 0;
-  if (options.policy == Policy::time_slices || options.policy == Policy::lakhia) {
+  if (uses_time(options.policy)) {
     const double static_benefit = std::sqrt(double(node.triangles) * double(node.surface_m2));
     const double foreshorten =
         1 + double(glm::dot(sight.towards_eye, node.average_normal)) * time.foreshortening_weight;
@@ -74,7 +74,14 @@ class Selecting {
  public:
   Selecting(const Model& model, const SelectView& view, std::span<const uint8_t> resident, const SelectOptions& options,
             SelectState& state, Selection& out)
-      : model_(model), sight_(model, view, options), resident_(resident), options_(options), state_(state), out_(out) {}
+      : model_(model),
+        sight_(model, view, options),
+        view_(view),
+        vlod_(uses_vlod(options.policy) ? view.vlod : nullptr),
+        resident_(resident),
+        options_(options),
+        state_(state),
+        out_(out) {}
 
   void by_error();
   void by_time();
@@ -84,6 +91,7 @@ class Selecting {
   struct Slice {
     NodeId node;
     double ms;
+    bool seen_whole;  ///< the vLOD has it or an ancestor: all that is below may be seen
   };
   /// A sibling set priced and counted: what [lakhia2004] decides on.
   struct Siblings {
@@ -97,8 +105,11 @@ class Selecting {
   bool resident(NodeId id) const { return resident_[index_of(id)] != 0; }
   bool visible(NodeId id) const { return classify(sight_.frustum, node(id).box) != Overlap::outside; }
   bool fine_enough(const NodeRecord& n) const { return error_px(n, sight_) <= options_.pixel_error; }
+  bool ends_paths(NodeId id) const;
+  /// Whether the vLOD, if there is one, has something of the node.
+  bool may_be_seen(NodeId id) const { return vlod_ == nullptr || vlod_->leads_to_some(id); }
   float price(NodeId id);
-  void price_siblings(std::span<const NodeId> ids, double share_ms, Siblings& siblings);
+  void price_siblings(std::span<const NodeId> ids, double share_ms, bool seen_whole, Siblings& siblings);
   void update_hysteresis(NodeId id, double slice_ms, double needed_ms);
   bool time_allows(const Siblings& siblings, double share_ms) const;
 
@@ -107,6 +118,8 @@ class Selecting {
 
   const Model& model_;
   Sight sight_;
+  const SelectView& view_;
+  const VlodMarks* vlod_;  ///< null: everything may be seen
   std::span<const uint8_t> resident_;
   const SelectOptions& options_;
   SelectState& state_;
@@ -120,7 +133,18 @@ float Selecting::price(NodeId id) {
   return priority;
 }
 
-// --- static, none -------------------------------------------------------------------------------------------------
+// --- none, static, front, vlod
+// -------------------------------------------------------------------------------------------------
+
+/// Whether the front that the policy asks for, whatever is resident, has the node.
+bool Selecting::ends_paths(NodeId id) const {
+  const NodeRecord& n = node(id);
+  if (n.child_count == 0) return true;
+  if (vlod_ != nullptr) return vlod_->has(id);
+  if (options_.policy == Policy::none) return false;
+  if (options_.policy == Policy::front && view_.cell != nullptr) return ends_front(n, *view_.cell, *view_.bound);
+  return fine_enough(n);
+}
 
 /// Prices nodes beside the frustum that a turn of the head would show, as far as their error wants them.
 void Selecting::prefetch_around(NodeId id) {
@@ -131,8 +155,9 @@ void Selecting::prefetch_around(NodeId id) {
     price(at);
     const NodeRecord& n = node(at);
     const double distance_m = priority_distance(n, sight_, options_);
-    if (frustum_visibility(n, sight_, options_, distance_m) <= 0 || fine_enough(n)) continue;
-    for (const NodeId child : model_.children_of(at)) stack_.push_back(child);
+    if (frustum_visibility(n, sight_, options_, distance_m) <= 0 || ends_paths(at)) continue;
+    for (const NodeId child : model_.children_of(at))
+      if (may_be_seen(child)) stack_.push_back(child);
   }
 }
 
@@ -143,13 +168,13 @@ void Selecting::visit_wanted(NodeId root) {
   price(root);
   for (size_t i = begin; i < state_.visits.size(); ++i) {
     const NodeId id = state_.visits[i].node;
-    const NodeRecord& n = node(id);
-    const bool wanted = n.child_count == 0 || (options_.policy == Policy::static_error && fine_enough(n));
+    const bool wanted = ends_paths(id);
     state_.visits[i].wanted = wanted;
     if (wanted) continue;
     for (const NodeId child : model_.children_of(id)) {
+      if (!may_be_seen(child)) continue;
       if (!visible(child)) {
-        if (options_.policy == Policy::static_error) prefetch_around(child);
+        if (options_.policy != Policy::none) prefetch_around(child);
         continue;
       }
       price(child);
@@ -161,7 +186,7 @@ void Selecting::visit_wanted(NodeId root) {
 void Selecting::by_error() {
   state_.visits.clear();
   for (const NodeId root : model_.tables.roots) {
-    if (visible(root))
+    if (visible(root) && may_be_seen(root))
       visit_wanted(root);
     else
       price(root);
@@ -202,8 +227,8 @@ void Selecting::update_hysteresis(NodeId id, double slice_ms, double needed_ms) 
   kept.visited = state_.frame;
 }
 
-/// Equation 4.1 for all visible siblings; the others are priced only.
-void Selecting::price_siblings(std::span<const NodeId> ids, double share_ms, Siblings& siblings) {
+/// Equation 4.1 for all visible siblings; of the others those that may be seen from the cell are priced only.
+void Selecting::price_siblings(std::span<const NodeId> ids, double share_ms, bool seen_whole, Siblings& siblings) {
   const TimeSliceOptions& time = options_.time;
   siblings.visible.clear();
   siblings.missing = siblings.visible_missing = 0;
@@ -211,12 +236,13 @@ void Selecting::price_siblings(std::span<const NodeId> ids, double share_ms, Sib
   siblings.cumulative_hysteresis = 0;
   double sum = 0;
   for (const NodeId id : ids) {
+    if (!seen_whole && !may_be_seen(id)) continue;
     const float priority = price(id);
     const bool is_missing = !resident(id);
     siblings.missing += is_missing ? 1 : 0;
     if (!visible(id)) continue;
     siblings.visible_missing += is_missing ? 1 : 0;
-    siblings.visible.push_back({id, double(priority)});
+    siblings.visible.push_back({id, double(priority), seen_whole || (vlod_ != nullptr && vlod_->has(id))});
     sum += double(priority);
   }
   const double ms_per_cost = state_.ms_per_cost > 0 ? state_.ms_per_cost : kFirstMsPerCost;
@@ -236,9 +262,9 @@ bool Selecting::time_allows(const Siblings& siblings, double share_ms) const {
 }
 
 void Selecting::by_time() {
-  const bool bounded = options_.policy == Policy::time_slices;
+  const bool bounded = options_.policy != Policy::lakhia;
   Siblings siblings;
-  price_siblings(model_.tables.roots, state_.share_ms, siblings);
+  price_siblings(model_.tables.roots, state_.share_ms, vlod_ == nullptr, siblings);
   std::vector<Slice> queue = siblings.visible;
   for (size_t i = 0; i < queue.size(); ++i) {
     const Slice at = queue[i];
@@ -247,7 +273,7 @@ void Selecting::by_time() {
       out_.front.push_back(at.node);
       continue;
     }
-    price_siblings(model_.children_of(at.node), at.ms, siblings);
+    price_siblings(model_.children_of(at.node), at.ms, at.seen_whole, siblings);
     const uint32_t lacking = options_.time.all_children_resident ? siblings.missing : siblings.visible_missing;
     const bool allowed = time_allows(siblings, at.ms);
     if (allowed && lacking == 0) {
@@ -298,10 +324,13 @@ struct PolicyName {
   Policy policy;
   std::string_view name;
 };
-constexpr std::array<PolicyName, 4> kPolicyNames = {{{Policy::none, "none"},
+constexpr std::array<PolicyName, 7> kPolicyNames = {{{Policy::none, "none"},
                                                      {Policy::static_error, "static"},
                                                      {Policy::time_slices, "time-slices"},
-                                                     {Policy::lakhia, "lakhia"}}};
+                                                     {Policy::lakhia, "lakhia"},
+                                                     {Policy::front, "front"},
+                                                     {Policy::vlod, "vlod"},
+                                                     {Policy::vlod_time_slices, "vlod-time-slices"}}};
 
 }  // namespace
 
@@ -317,7 +346,11 @@ std::optional<Policy> policy_named(std::string_view name) {
   return std::nullopt;
 }
 
-std::string_view policy_names() { return "none, static, time-slices, lakhia"; }
+std::string policy_names() {
+  std::string names;
+  for (const PolicyName& known : kPolicyNames) names += (names.empty() ? "" : ", ") + std::string(known.name);
+  return names;
+}
 
 double node_cost(const NodeRecord& node, const TimeSliceOptions& options) {
   const double textured = node.textured_triangles, untextured = double(node.triangles) - textured;
@@ -350,7 +383,7 @@ void select(const Model& model, const SelectView& view, std::span<const uint8_t>
   selection.loaded_rejected = 0;
   selection.cost = 0;
   Selecting selecting(model, view, resident, options, state, selection);
-  if (options.policy == Policy::time_slices || options.policy == Policy::lakhia)
+  if (uses_time(options.policy))
     selecting.by_time();
   else
     selecting.by_error();

@@ -6,26 +6,39 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "geometry/camera.h"
-#include "layout/model.h"
+#include "layout/cell_front.h"
 #include "runtime/priority_list.h"
+#include "runtime/vlod_marks.h"
 
 namespace promenade {
 
 enum class Policy : uint8_t {
   none,          ///< no detail elision: every leaf in the frustum
   static_error,  ///< "static": the coarsest front whose projected error stays within pixel_error
-  time_slices,   ///< [lakhia2004] section 4.2, never refined beyond pixel_error (the default)
+  time_slices,   ///< [lakhia2004] section 4.2, never refined beyond pixel_error
   lakhia,        ///< [lakhia2004] section 4.2 as published: refines as long as time is left
+  front,         ///< the front of the eye's cell, nothing hidden; outside the cells: static
+  vlod,          ///< the vLOD of the eye's cell [chhugani2003]; outside the cells: static
+  /// Time slices over what the vLOD says can be seen (the default); outside the cells: time_slices. The cell tells what
+  /// is hidden, the eye how fine the rest must be.
+  vlod_time_slices,
 };
-/// "none", "static", "time-slices", "lakhia".
+/// "none", "static", "time-slices", "lakhia", "front", "vlod", "vlod-time-slices".
 std::string_view name_of(Policy policy);
 std::optional<Policy> policy_named(std::string_view name);
-/// All names, for usage texts: "none, static, time-slices, lakhia".
-std::string_view policy_names();
+/// All names, for usage texts: "none, static, time-slices, ...".
+std::string policy_names();
+/// Whether the policy asks what the eye's cell sees.
+constexpr bool uses_vlod(Policy policy) { return policy == Policy::vlod || policy == Policy::vlod_time_slices; }
+/// Whether the policy shares out frame time.
+constexpr bool uses_time(Policy policy) {
+  return policy == Policy::time_slices || policy == Policy::lakhia || policy == Policy::vlod_time_slices;
+}
 
 /// Constants of [lakhia2004]; names and values of table 6.1 unless a reason is given.
 struct TimeSliceOptions {
@@ -52,8 +65,8 @@ struct TimeSliceOptions {
 };
 
 struct SelectOptions {
-  Policy policy = Policy::time_slices;
-  double pixel_error = 1;  ///< pixels; static and time_slices
+  Policy policy = Policy::vlod_time_slices;
+  double pixel_error = 1;  ///< pixels; static, time_slices and vlod_time_slices
   TimeSliceOptions time;
   /// The eye is taken where it will be this much later, for priorities only ("slightly adjusted based on the user's
   /// velocity").
@@ -69,6 +82,10 @@ struct SelectOptions {
 struct SelectView {
   Camera camera;
   glm::dvec3 velocity_m_per_s{0};
+  /// The vLOD of the eye's cell; null: outside the cells, or not read yet: the tree alone serves.
+  const VlodMarks* vlod = nullptr;
+  const Box* cell = nullptr;          ///< the eye's cell; null: outside
+  const FrontBound* bound = nullptr;  ///< of the cells' fronts; not null where `cell` is not
 };
 
 /// What a selection remembers. Sized to the model on first use; byte_size counts it.

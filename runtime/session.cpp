@@ -26,13 +26,24 @@ uint64_t table_bytes(const ModelTables& tables) {
 constexpr uint64_t kSelectBytesPerNode =
     sizeof(SelectState::Node) + sizeof(SelectState::Visit) + sizeof(PriorityUpdate) + sizeof(NodeId);
 
+/// What cells take: their tables, the vLODs in memory, and marks on the tree for one of them.
+uint64_t cell_bytes(const ModelSource& source, const VlodStore& vlods) {
+  const CellTables* cells = source.cells();
+  if (cells == nullptr) return 0;
+  uint64_t largest = 0;
+  for (uint32_t i = 0; i < cells->cells.size(); ++i)
+    largest = std::max<uint64_t>(largest, source.vlod_nodes(CellId{i}));
+  return cells->byte_size() + cells->cells.size() * sizeof(VlodRecord) + vlods.bound_bytes() +
+         source.model().tables.nodes.size() * sizeof(uint32_t) + largest * sizeof(NodeId);
+}
+
 constexpr int kWarmUpFrames = 3;
 constexpr int kOverheadFrames = 8;
 /// Frames in a row without change after which a picture stands still. Time slices may take as many as a counter needs
 /// from one end of its range to the other.
 uint32_t still_frames(const SelectOptions& options) {
   constexpr uint32_t kStillFrames = 3;
-  if (options.policy != Policy::time_slices && options.policy != Policy::lakhia) return kStillFrames;
+  if (!uses_time(options.policy)) return kStillFrames;
   return kStillFrames + static_cast<uint32_t>(2 * options.time.hysteresis_limit);
 }
 
@@ -40,7 +51,7 @@ uint32_t still_frames(const SelectOptions& options) {
 
 struct Session::State {
   State(const ModelSource& from, Renderer& draws_with, const SessionOptions& with)
-      : source(from), renderer(draws_with), options(with) {}
+      : source(from), renderer(draws_with), options(with), cursor(from.cells()), vlods(from) {}
   ~State() {
     thread.reset();
     if (set) set->clear(renderer);
@@ -49,10 +60,16 @@ struct Session::State {
   State& operator=(const State&) = delete;
 
   Status draw(const Camera& camera);
+  void move_to(const Camera& camera, SelectView& seen, FrameRow& row);
+  void use_vlod(CellId cell, FrameRow& row);
 
   const ModelSource& source;
   Renderer& renderer;
   SessionOptions options;
+  Cursor cursor;
+  VlodStore vlods;
+  std::unique_ptr<VlodMarks> marks;  ///< null: the model has no cells
+  std::optional<CellId> marked;      ///< the cell whose vLOD `marks` has
   std::unique_ptr<ResidentSet> set;
   std::unique_ptr<Loader> loader;
   std::unique_ptr<LoaderThread> thread;
@@ -75,12 +92,13 @@ Result<Session> Session::open(const ModelSource& source, Renderer& renderer, con
   const Model& model = source.model();
   if (model.tables.roots.empty()) return Error{"the model has no nodes; build it again"};
   auto state = std::make_unique<State>(source, renderer, options);
-  const uint64_t fixed =
-      table_bytes(model.tables) + model.tables.nodes.size() * kSelectBytesPerNode + options.frame_bytes;
+  const uint64_t fixed = table_bytes(model.tables) + model.tables.nodes.size() * kSelectBytesPerNode +
+                         options.frame_bytes + cell_bytes(source, state->vlods);
   const LoaderOptions& loading = options.loader;
   state->set = std::make_unique<ResidentSet>(source, renderer, loading.memory_bytes, fixed, loading.eviction_margin);
   PROMENADE_TRY(state->set->load_roots(renderer));
-  state->loader = std::make_unique<Loader>(source, renderer, *state->set, loading);
+  if (source.cells() != nullptr) state->marks = std::make_unique<VlodMarks>(model);
+  state->loader = std::make_unique<Loader>(source, renderer, *state->set, &state->vlods, loading);
   state->view.model_origin = model.manifest.origin;
   state->view.lighting = options.lighting;
   state->view.background = options.background;
@@ -96,6 +114,37 @@ Status Session::State::draw(const Camera& camera) {
   return renderer.draw(view, items);
 }
 
+/// Changes to the vLOD of the eye's cell if it is there.
+void Session::State::use_vlod(CellId cell, FrameRow& row) {
+  if (marked == cell) return;
+  const std::shared_ptr<const Vlod> vlod = vlods.find(cell);
+  if (vlod == nullptr) return;
+  const VlodMarks::Change change = marks->change_to(vlod->nodes);
+  marked = cell;
+  row.delta_nodes = change.entered + change.left;
+  row.delta_bytes = vlod->bytes_read;
+}
+
+/// Follows the eye through the cells, and asks for the vLODs of the cell that it is in and of those beside it.
+void Session::State::move_to(const Camera& camera, SelectView& seen, FrameRow& row) {
+  const Cursor::Move move = cursor.move_to(camera.pose.eye - source.model().manifest.origin);
+  row.cell = cursor.cell();
+  row.cell_crossed = move == Cursor::Move::stepped || move == Cursor::Move::jumped;
+  if (!row.cell) return;
+  const CellTables& tables = *source.cells();
+  seen.cell = &tables.cells[index_of(*row.cell)].box;
+  seen.bound = &tables.bound;
+  if (!uses_vlod(options.select.policy)) return;
+  if (row.cell_crossed || marked != row.cell) {
+    std::vector<CellId> wanted = cursor.neighbours();
+    wanted.insert(wanted.begin(), *row.cell);
+    vlods.want(wanted);
+  }
+  use_vlod(*row.cell, row);
+  row.vlod_missing = marked != row.cell;
+  if (!row.vlod_missing) seen.vlod = marks.get();
+}
+
 Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   State& s = *state_;
   const Clock::time_point begin = Clock::now();
@@ -108,6 +157,7 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   SelectView view{camera, glm::dvec3(0)};
   if (dt_s > 0 && s.last_eye) view.velocity_m_per_s = (camera.pose.eye - *s.last_eye) / dt_s;
   s.last_eye = camera.pose.eye;
+  s.move_to(camera, view, row);
   const SelectOptions& select_options = s.options.select;
   select(s.source.model(), view, s.set->resident(), select_options, s.select_state, s.selection);
   s.set->update(s.selection.updates, NodePricer(s.source.model(), view, select_options));
@@ -133,7 +183,7 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   row.toggles = row.toggles_up + row.toggles_down;
   row.nodes_by_level = s.selection.nodes_by_level;
   row.resident_bytes = s.set->memory().total();
-  const uint64_t bytes_read = s.set->counts().bytes_read;
+  const uint64_t bytes_read = loader_counts().bytes_read;
   row.bytes_read = bytes_read - s.last_bytes_read;
   s.last_bytes_read = bytes_read;
   feed_back(s.selection, row.select_ms + row.draw_ms, row.frame_ms, select_options.time, s.select_state);
@@ -170,7 +220,7 @@ Result<FrameRow> Session::settle(const Camera& camera, uint32_t max_frames) {
     run_loader(kUnlimitedMs);
     wait_for_loader();
     const LoaderCounts counts = loader_counts();
-    const uint64_t loaded = counts.nodes_loaded + counts.textures_loaded + counts.pieces;
+    const uint64_t loaded = counts.nodes_loaded + counts.textures_loaded + counts.pieces + counts.vlods_loaded;
     const bool same =
         loaded == loaded_before && row->nodes_drawn == last.nodes_drawn && row->triangles_drawn == last.triangles_drawn;
     still = same ? still + 1 : 0;
@@ -201,8 +251,20 @@ Status Session::measure_overhead(const Camera& camera) {
 
 const Selection& Session::selection() const { return state_->selection; }
 const SelectState& Session::select_state() const { return state_->select_state; }
-LoaderCounts Session::loader_counts() const { return state_->set->counts(); }
-std::vector<std::string> Session::failures() const { return state_->set->failures(); }
+LoaderCounts Session::loader_counts() const {
+  LoaderCounts counts = state_->set->counts();
+  counts.vlods_loaded = state_->vlods.loaded();
+  counts.vlod_bytes_read = state_->vlods.bytes_read();
+  counts.bytes_read += counts.vlod_bytes_read;
+  counts.bytes_read_useful += counts.vlod_bytes_read;
+  counts.reads += counts.vlods_loaded;
+  return counts;
+}
+std::vector<std::string> Session::failures() const {
+  std::vector<std::string> failures = state_->set->failures();
+  for (std::string& failure : state_->vlods.failures()) failures.push_back(std::move(failure));
+  return failures;
+}
 uint64_t Session::resident_bytes() const { return state_->set->memory().total(); }
 uint64_t Session::resident_bytes_peak() const { return state_->set->memory_peak_bytes(); }
 SelectOptions& Session::select_options() { return state_->options.select; }

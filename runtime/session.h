@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/result.h"
+#include "runtime/cursor.h"
 #include "runtime/loader.h"
 #include "runtime/model_source.h"
 #include "runtime/policy.h"
@@ -42,6 +44,11 @@ struct FrameRow {
   uint64_t toggles = 0, toggles_up = 0, toggles_down = 0;
   uint64_t resident_bytes = 0;  ///< all that the memory bound counts
   uint64_t bytes_read = 0;      ///< since the frame before
+  std::optional<CellId> cell;   ///< the eye's; nullopt: outside
+  bool cell_crossed = false;    ///< into another cell than in the frame before
+  bool vlod_missing = false;    ///< the policy asks for the cell's vLOD, which is not read yet: the tree alone served
+  uint64_t delta_nodes = 0;     ///< that came or went with the vLOD that is now used
+  uint64_t delta_bytes = 0;     ///< that it took on disk
   std::vector<uint32_t> nodes_by_level;
 };
 

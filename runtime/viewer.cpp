@@ -193,8 +193,9 @@ Status Viewer::screenshot() {
 
 void Viewer::draw_settings() {
   SelectOptions& select = session_.select_options();
-  static constexpr std::array<Policy, 4> kPolicies = {Policy::time_slices, Policy::static_error, Policy::lakhia,
-                                                      Policy::none};
+  static constexpr std::array<Policy, 7> kPolicies = {
+      Policy::vlod_time_slices, Policy::vlod,   Policy::front, Policy::time_slices,
+      Policy::static_error,     Policy::lakhia, Policy::none};
   if (ImGui::BeginCombo("policy", std::string(name_of(select.policy)).c_str())) {
     for (const Policy policy : kPolicies)
       if (ImGui::Selectable(std::string(name_of(policy)).c_str(), policy == select.policy)) select.policy = policy;

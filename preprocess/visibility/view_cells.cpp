@@ -132,7 +132,7 @@ CellTables tables_of(const CellPlan& plan, const FrontBound& bound, std::vector<
       open.push_back({node.child, made.below});
     } else if (node.is_cell) {
       made.below = static_cast<uint32_t>(tables.cells.size());
-      tables.cells.push_back({node.box});
+      tables.cells.push_back({node.cell});
       leaves.push_back(at.plan_node);
     }
     if (node.axis == CellTreeNode::kLeaf) made.split_m = 0;

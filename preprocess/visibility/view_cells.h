@@ -22,8 +22,9 @@ class CellPlan {
   void split(uint32_t leaf, uint32_t axis, float at_m);
   uint32_t below(uint32_t node) const { return nodes_[node].child; }
   uint32_t above(uint32_t node) const { return nodes_[node].child + 1; }
-  /// Leaves are dead until somebody says that they are cells.
-  void set_cell(uint32_t leaf, bool is_cell) { nodes_[leaf].is_cell = is_cell; }
+  /// Leaves are dead until somebody says that they are cells. box: what of the leaf's is the cell's.
+  void set_cell(uint32_t leaf, const Box& box) { nodes_[leaf].is_cell = true, nodes_[leaf].cell = box; }
+  const Box& cell_of(uint32_t leaf) const { return nodes_[leaf].cell; }
   /// Undoes a leaf's splits: the node is a leaf again. What was below it is forgotten.
   void merge(uint32_t node) { nodes_[node].axis = CellTreeNode::kLeaf; }
 
@@ -34,6 +35,7 @@ class CellPlan {
  private:
   struct Node {
     Box box;
+    Box cell{};  ///< of a leaf that is one
     uint32_t axis = CellTreeNode::kLeaf;
     float split_m = 0;
     uint32_t child = 0;  ///< the first of two

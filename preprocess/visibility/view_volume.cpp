@@ -38,7 +38,9 @@ class Surveyor {
     PROMENADE_TRY(for_each_leaf([this](const Mesh& mesh) { vote(mesh); }));
     open_from_the_top();
     judge_the_rest();
-    return ViewVolume(grid_, std::move(kinds_));
+    find_lowest_open();
+    PROMENADE_TRY(for_each_leaf([this](const Mesh& mesh) { lower_floors(mesh); }));
+    return ViewVolume(grid_, std::move(kinds_), std::move(floors_m_));
   }
 
  private:
@@ -56,7 +58,7 @@ class Surveyor {
       stop = true;
     });
     done_ += leaves_.size();
-    monitor_.progress("viewing space", done_, 2 * leaves_.size());
+    monitor_.progress("viewing space", done_, 3 * leaves_.size());
     if (failure) return *failure;
     if (monitor_.cancelled()) return Error{kInterrupted};
     return Done{};
@@ -87,7 +89,6 @@ class Surveyor {
       const int places = std::clamp(static_cast<int>(std::sqrt(cubes)), 1, kMostPlaces);
       const float votes = cubes * kAreaParts / float(places * places);
       const int32_t whole = static_cast<int32_t>(std::clamp(votes, 1.0F, kMostVotes));
-      const bool two_sided = reader_.model().tables.materials[mesh.material_of(t)].two_sided;
       for (int i = 0; i < places; ++i)
         for (int j = 0; j < places; ++j) {
           // Even over the triangle: a point of the square, folded onto its half.
@@ -95,7 +96,7 @@ class Surveyor {
           if (u + v > 1) u = 1 - u, v = 1 - v;
           const glm::vec3 at = p[0] + (p[1] - p[0]) * u + (p[2] - p[0]) * v;
           tell(at, normal, whole);
-          tell(at, -normal, two_sided ? whole : -whole);
+          tell(at, -normal, -whole);
         }
     }
   }
@@ -152,6 +153,34 @@ class Surveyor {
         }
   }
 
+  size_t column(const glm::ivec3& at) const { return size_t(at.y) * size_t(grid_.count.x) + size_t(at.x); }
+
+  void find_lowest_open() {
+    const size_t columns = size_t(grid_.count.x) * size_t(grid_.count.y);
+    lowest_open_.assign(columns, grid_.count.z);
+    floors_m_.assign(columns, ViewVolume::kNoFloor);
+    for (size_t i = kinds_.size(); i-- > 0;)
+      if (kinds_[i] == Kind::open) lowest_open_[i % columns] = static_cast<int>(i / columns);
+  }
+
+  /// A triangle that faces up is ground for the columns whose lowest open cube is right above it.
+  void lower_floors(const Mesh& mesh) {
+    for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+      const Corners p = corners_of(mesh, t);
+      if (glm::cross(p[1] - p[0], p[2] - p[0]).z <= 0) continue;
+      const float lowest_m = std::min({p[0].z, p[1].z, p[2].z});
+      for_each_touched(grid_, p, [&](const glm::ivec3& at) {
+        const int above = lowest_open_[column(at)] - at.z;
+        if (above < 0 || above > 1) return;
+        const float floor_m = std::max(lowest_m, grid_.box.min.z + float(at.z) * grid_.step_m);
+        std::atomic_ref<float> floor(floors_m_[column(at)]);
+        float known = floor.load(std::memory_order_relaxed);
+        while (floor_m < known && !floor.compare_exchange_weak(known, floor_m, std::memory_order_relaxed)) {
+        }
+      });
+    }
+  }
+
   const ModelReader& reader_;
   VoxelGrid grid_;
   JobMonitor& monitor_;
@@ -159,6 +188,8 @@ class Surveyor {
   std::vector<Kind> kinds_;
   std::vector<int32_t> votes_;
   std::vector<uint32_t> stack_;
+  std::vector<int> lowest_open_;  ///< by column; the grid's height where nothing is open
+  std::vector<float> floors_m_;
   uint64_t done_ = 0;
 };
 
@@ -180,6 +211,18 @@ bool ViewVolume::is_open(const Box& box) const {
       for (int x = low.x; x <= high.x; ++x)
         if (may_stand({x, y, z})) return true;
   return false;
+}
+
+Box ViewVolume::above_ground(const Box& box) const {
+  const glm::vec3 rim(grid_.step_m * 1e-3F);
+  const glm::ivec3 low = grid_.clamped(grid_.place(box.min + rim)), high = grid_.clamped(grid_.place(box.max - rim));
+  float floor_m = kNoFloor;
+  for (int y = low.y; y <= high.y; ++y)
+    for (int x = low.x; x <= high.x; ++x)
+      floor_m = std::min(floor_m, floors_m_[size_t(y) * size_t(grid_.count.x) + size_t(x)]);
+  Box above = box;
+  if (floor_m > box.min.z && floor_m < box.max.z) above.min.z = floor_m;
+  return above;
 }
 
 void ViewVolume::keep_walkable(float height_m) {

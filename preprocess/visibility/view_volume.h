@@ -4,6 +4,7 @@
 // serves.
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "geometry/job_monitor.h"
@@ -14,12 +15,16 @@ namespace promenade {
 
 /// Cubes of viewing space, each a surface's, open or solid. A connected space between surfaces is open when it reaches
 /// the top of viewing space, or when more of the surface around it shows its front than its back: a room. Else it is
-/// solid: one is inside a wall or below the ground. Two-sided surfaces show a front to either side.
+/// solid: one is inside a wall or below the ground. Fronts and backs are those of the winding, two-sided or not.
 class ViewVolume {
  public:
   enum class Kind : uint8_t { unknown, surface, open, solid };  ///< unknown: nobody is to stand there
 
-  ViewVolume(const VoxelGrid& grid, std::vector<Kind> kinds) : grid_(grid), kinds_(std::move(kinds)) {}
+  /// floors_m: by column (x, then y): the height of the ground below the lowest open cube, at its lowest within the
+  /// column; kNoFloor where there is none.
+  ViewVolume(const VoxelGrid& grid, std::vector<Kind> kinds, std::vector<float> floors_m)
+      : grid_(grid), kinds_(std::move(kinds)), floors_m_(std::move(floors_m)) {}
+  static constexpr float kNoFloor = std::numeric_limits<float>::max();
 
   const VoxelGrid& grid() const { return grid_; }
   Kind kind(const glm::ivec3& at) const { return kinds_[grid_.index(at)]; }
@@ -27,6 +32,9 @@ class ViewVolume {
   /// Whether somebody may stand somewhere in the box. A surface's cube counts as open when one beside it is: a part of
   /// it is before the surface.
   bool is_open(const Box& box) const;
+  /// The box without what of it lies below all ground in it: nobody stands there, and from there one would see under
+  /// everything. Not empty.
+  Box above_ground(const Box& box) const;
   /// Keeps open only what is at most height_m above a surface that one may stand on: for people who walk.
   void keep_walkable(float height_m);
   /// Keeps open only what lies in one of the boxes.
@@ -37,6 +45,7 @@ class ViewVolume {
 
   VoxelGrid grid_;
   std::vector<Kind> kinds_;
+  std::vector<float> floors_m_;
 };
 
 /// Surveys the leaves of a model over `space`. Reads every leaf's mesh, several at once. Takes up to 9 bytes a

@@ -23,14 +23,15 @@ enum class CellStyle : uint8_t {
 
 struct VisibilityOptions {
   CellStyle cells = CellStyle::none;
-  double pixel_error = 1;                     ///< bound of the fronts, pixels. Smaller: finer fronts, larger vLODs
+  std::vector<std::string> hiders;  ///< by name, in the order in which a cell asks them; empty: nothing is hidden
+  double pixel_error = 1;           ///< bound of the fronts, pixels. Smaller: finer fronts, larger vLODs
   uint32_t width_px = 1280, height_px = 720;  ///< the picture that it is meant for
   double vertical_fov_deg = 60;
   ErrorAt error_at = ErrorAt::center;
   /// Most triangles of a vLOD that is not divided further. Smaller: more cells, less drawn.
   uint64_t cell_triangles = 100000;
   double smallest_cell_m = 4;           ///< no cell is divided whose parts would be shorter than this along every axis
-  uint32_t max_cells = 0;               ///< 0: four a node, 256 to 16384. The largest vLODs are divided first
+  uint32_t max_cells = 0;               ///< 0: eight a node, 256 to 16384. The largest vLODs are divided first
   std::optional<double> walk_height_m;  ///< only space this high above what one may stand on; nullopt: up to the sky
   std::vector<DBox> inside;             ///< only space in these boxes, metres, world; empty: everywhere
 };
@@ -64,7 +65,7 @@ struct Visibility {
 };
 
 /// Divides viewing space and computes what is seen from each part. Cells that see more than cell_triangles are divided,
-/// largest first, while that helps: while one of the parts sees less than half as much. hash: of the model's bytes and
+/// largest first, while that helps: while from the smallest part less than half is seen. hash: of the model's bytes and
 /// all that hiders depend on. Same result at any thread count and after any interruption.
 /// Errors: reading the model, a hider's, the disk's, cancellation.
 /// Source: [chhugani2003] section 2.1.

@@ -56,12 +56,14 @@ uint64_t hash_of(const VisibilityOptions& o) {
   writer.value(bound.scale.tan_corner), writer.value(o.cell_triangles), writer.value(o.smallest_cell_m);
   writer.value(o.max_cells), writer.value(o.walk_height_m.value_or(-1));
   writer.array(o.inside);
+  for (const std::string& hider : o.hiders) writer.text(hider);
   return checksum(writer.bytes());
 }
 
 std::map<std::string, std::string> settings_of(const VisibilityOptions& o) {
   std::map<std::string, std::string> settings{{"cells", std::string(name_of(o.cells))}};
   if (o.cells == CellStyle::none) return settings;
+  settings["hiders"] = o.hiders.empty() ? "none" : fmt::format("{}", fmt::join(o.hiders, ","));
   settings["pixel-error"] = fmt::format("{}", o.pixel_error);
   settings["size"] = fmt::format("{}x{}", o.width_px, o.height_px);
   settings["fov"] = fmt::format("{}", o.vertical_fov_deg);

@@ -1,0 +1,214 @@
+#include "cli/study_hiders.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "cli/console.h"
+#include "layout/cell_front.h"
+#include "layout/model_io.h"
+#include "preprocess/visibility/audit.h"
+#include "preprocess/visibility/hider_chain.h"
+#include "preprocess/visibility/hiders/sampled.h"
+#include "preprocess/visibility/study_cells.h"
+
+namespace promenade {
+namespace {
+
+struct StudyArguments {
+  std::filesystem::path model;
+  std::vector<std::string> chains;
+  StudyCellOptions cells;
+  std::string place = "street";
+  LookOptions looks;
+  double pixel_error = 1;
+};
+
+/// A chain with its sums over the cells.
+struct ChainRow {
+  std::string name;
+  std::vector<std::unique_ptr<Hider>> hiders;
+  bool conservative = true, is_default = false;
+  double prepare_s = 0, ms = 0, ratio_sum = 0, hidden_share_sum = 0;
+  uint64_t false_hidden_nodes = 0, false_hidden_pixels = 0, kept_nodes = 0, kept_triangles = 0;
+};
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
+  return text;
+}
+
+Result<std::vector<ChainRow>> make_chains(const StudyArguments& arguments, const ModelReader& reader,
+                                          JobMonitor& monitor) {
+  std::vector<std::string> lists = arguments.chains;
+  if (lists.empty()) {
+    lists.push_back("none");
+    for (const std::string& name : default_hiders()) lists.push_back(name);
+    if (default_hiders().size() > 1) lists.push_back(joined(default_hiders()));
+  }
+  std::vector<ChainRow> rows;
+  for (const std::string& list : lists) {
+    const Result<std::vector<std::string>> names = parse_hiders(list);
+    if (!names) return names.error();
+    const WallClock clock;
+    Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*names, reader, HiderBuildOptions(), monitor);
+    if (!hiders) return hiders.error();
+    ChainRow row;
+    row.name = list, row.hiders = std::move(*hiders), row.is_default = *names == default_hiders();
+    row.prepare_s = clock.seconds();
+    for (const auto& hider : row.hiders) row.conservative &= hider->is_conservative();
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// One cell: the reference's time, the truth, and each chain against it.
+class CellStudy {
+ public:
+  CellStudy(const StudyArguments& arguments, const NodeMeshes& meshes, std::vector<ChainRow>& rows)
+      : arguments_(arguments),
+        meshes_(meshes),
+        rows_(rows),
+        reference_(make_sampled_hider(meshes)),
+        bound_{arguments.pixel_error, pixel_scale(1280, 720, 60)} {}
+
+  Status add(const Box& cell) {
+    const Model& model = meshes_.model().model();
+    const std::vector<NodeId> front = cell_front(model, cell, bound_);
+    const Result<Looks> looks = look_from_cell(meshes_, cell, front, {}, arguments_.looks);
+    if (!looks) return looks.error();
+    if (looks->eyes == 0) return Done{};
+    ++cells;
+    eyes += looks->eyes, pixels += looks->pixels;
+    std::vector<uint8_t> none(front.size(), 0);
+    const WallClock reference_clock;
+    PROMENADE_TRY(reference_->hide({cell, front}, none));
+    reference_ms += reference_clock.seconds() * 1e3;
+    for (ChainRow& row : rows_) {
+      std::vector<uint8_t> hidden(front.size(), 0);
+      const WallClock clock;
+      for (const auto& hider : row.hiders) PROMENADE_TRY(hider->hide({cell, front}, hidden));
+      row.ms += clock.seconds() * 1e3;
+      const CellVerdict verdict = judge(model, front, hidden, *looks);
+      row.ratio_sum += double(verdict.kept_triangles) / double(std::max<uint64_t>(verdict.seen_triangles, 1));
+      row.hidden_share_sum +=
+          1 - double(verdict.kept_triangles) / double(std::max<uint64_t>(verdict.front_triangles, 1));
+      row.false_hidden_nodes += verdict.false_hidden_nodes;
+      row.false_hidden_pixels += verdict.false_hidden_pixels;
+      row.kept_nodes += verdict.kept_nodes, row.kept_triangles += verdict.kept_triangles;
+      if (&row == &rows_.front()) front_nodes += verdict.front_nodes, seen_nodes += verdict.seen_nodes;
+    }
+    return Done{};
+  }
+
+  uint64_t cells = 0, eyes = 0, pixels = 0, front_nodes = 0, seen_nodes = 0;
+  double reference_ms = 0;
+
+ private:
+  const StudyArguments& arguments_;
+  const NodeMeshes& meshes_;
+  std::vector<ChainRow>& rows_;
+  std::unique_ptr<Hider> reference_;
+  FrontBound bound_;
+};
+
+void print_rows(const std::vector<ChainRow>& rows, const CellStudy& study) {
+  const double n = double(study.cells);
+  fmt::print("{} cells; front {:.0f} nodes, seen {:.0f}; reference (125 eyes, 6 x 256 x 256 each) {:.1f} ms a cell\n",
+             study.cells, double(study.front_nodes) / n, double(study.seen_nodes) / n, study.reference_ms / n);
+  fmt::print("  {:<36} {:>10} {:>8} {:>8} {:>9} {:>12} {:>12} {:>9}\n", "chain", "ms a cell", "hidden", "ratio",
+             "nodes", "false nodes", "false pixels", "prepare s");
+  for (const ChainRow& row : rows)
+    fmt::print("  {:<36} {:>10.2f} {:>7.1f}% {:>8.3f} {:>9.1f} {:>12} {:>12} {:>9.1f}{}\n", row.name, row.ms / n,
+               100 * row.hidden_share_sum / n, row.ratio_sum / n, double(row.kept_nodes) / n, row.false_hidden_nodes,
+               row.false_hidden_pixels, row.prepare_s, row.conservative ? "" : "  not conservative");
+}
+
+Json json_of(const std::vector<ChainRow>& rows, const CellStudy& study) {
+  const double n = double(study.cells);
+  Json chains = Json::array();
+  for (const ChainRow& row : rows) {
+    Json entry = {{"name", row.name},
+                  {"ms_per_cell", row.ms / n},
+                  {"hidden_share", row.hidden_share_sum / n},
+                  {"overestimate_ratio_mean", row.ratio_sum / n},
+                  {"false_hidden_nodes", row.false_hidden_nodes},
+                  {"false_hidden_pixels", row.false_hidden_pixels},
+                  {"nodes_mean", double(row.kept_nodes) / n},
+                  {"triangles_mean", double(row.kept_triangles) / n},
+                  {"conservative", row.conservative},
+                  {"prepare_s", row.prepare_s}};
+    if (row.is_default) entry["default"] = true;
+    chains.push_back(std::move(entry));
+  }
+  return {{"chains", chains},
+          {"reference_ms_per_cell", study.reference_ms / n},
+          {"cells", study.cells},
+          {"eyes", study.eyes},
+          {"pixels", study.pixels},
+          {"front_nodes_mean", double(study.front_nodes) / n},
+          {"seen_nodes_mean", double(study.seen_nodes) / n}};
+}
+
+Status run_study(StudyArguments arguments, JobMonitor& monitor, Json& figures) {
+  arguments.cells.place = arguments.place == "roof" ? StudyPlace::roof : StudyPlace::street;
+  const Result<ModelReader> reader = ModelReader::open(arguments.model);
+  if (!reader) return reader.error();
+  Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(*reader, uint64_t(1) << 30);
+  if (!meshes) return meshes.error();
+  Result<std::vector<ChainRow>> rows = make_chains(arguments, *reader, monitor);
+  if (!rows) return rows.error();
+  const Result<std::vector<Box>> cells = study_cells(**meshes, arguments.cells);
+  if (!cells) return cells.error();
+  CellStudy study(arguments, **meshes, *rows);
+  for (size_t i = 0; i < cells->size(); ++i) {
+    monitor.progress("cells", i, cells->size());
+    if (monitor.cancelled()) return Error{"interrupted"};
+    PROMENADE_TRY(study.add((*cells)[i]));
+  }
+  monitor.progress("cells", cells->size(), cells->size());
+  if (study.cells == 0)
+    return Error{fmt::format("{}: no {} cells of {} m found: try another --place or --side", arguments.model.string(),
+                             arguments.place, arguments.cells.side_m)};
+  print_rows(*rows, study);
+  figures = json_of(*rows, study);
+  return Done{};
+}
+
+}  // namespace
+
+Command add_study_hiders(CLI::App& study) {
+  auto arguments = std::make_shared<StudyArguments>();
+  CLI::App* app = study.add_subcommand("hiders", "What each hider and chain of hiders costs and is worth");
+  app->add_option("MODEL", arguments->model, "A directory that build made")->required();
+  app->add_option("--hiders", arguments->chains,
+                  fmt::format("A chain, names separated by commas, of: {}; may be given several times. Default: each "
+                              "hider of the default chain, and the chain",
+                              hider_names()))
+      ->type_name("LIST")
+      ->take_all();
+  app->add_option("--cells", arguments->cells.cells, "Random cells")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app->add_option("--side", arguments->cells.side_m, "Side of a cell, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--place", arguments->place, "street: on the ground, 2 m high; roof: cubes in the air")
+      ->check(CLI::IsMember({"street", "roof"}))
+      ->capture_default_str();
+  app->add_option("--views", arguments->looks.views, "Pictures of each cell that say what is seen")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--pixel-error", arguments->pixel_error,
+                  "Bound of the cells' fronts, pixels at 1280 x 720, 60 degrees")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--seed", arguments->cells.seed, "Other cells, other views")->capture_default_str();
+  return {app, {}, [arguments](JobMonitor& monitor, Json& figures) {
+            arguments->looks.seed = arguments->cells.seed;
+            return run_study(*arguments, monitor, figures);
+          }};
+}
+
+}  // namespace promenade

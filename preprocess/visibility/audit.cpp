@@ -1,0 +1,183 @@
+#include "preprocess/visibility/audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <optional>
+
+namespace promenade {
+namespace {
+
+constexpr double kNearM = 0.02;
+constexpr uint32_t kTriesAnEye = 12;
+constexpr uint32_t kProbePx = 16;   // side of the small pictures that tell solid from free
+constexpr float kProbeReachM = 60;  // how far they look
+
+/// The same numbers everywhere from the seed on (splitmix64).
+class Numbers {
+ public:
+  explicit Numbers(uint64_t seed) : state_(seed) {}
+  double unit() {
+    uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
+    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
+    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
+    return double((z ^ (z >> 31U)) >> 11U) * 0x1p-53;
+  }
+  glm::dvec3 in_box() {
+    const double x = unit(), y = unit(), z = unit();
+    return {x, y, z};
+  }
+
+ private:
+  uint64_t state_;
+};
+
+uint64_t seed_of(uint64_t seed, const Box& cell) {
+  uint64_t hash = seed;
+  for (const float v : {cell.min.x, cell.min.y, cell.min.z, cell.max.x, cell.max.y, cell.max.z})
+    hash = (hash ^ static_cast<uint64_t>(static_cast<int64_t>(v * 1024.0F))) * 0x9e3779b97f4a7c15ULL;
+  return hash;
+}
+
+RasterView random_view(const glm::dvec3& eye, uint32_t px, Numbers& numbers) {
+  Camera camera;
+  camera.pose.eye = eye;
+  camera.pose.yaw_deg = numbers.unit() * 360;
+  camera.pose.pitch_deg = std::asin(numbers.unit() * 2 - 1) * 180 / std::numbers::pi * 0.7;
+  camera.width_px = camera.height_px = px;
+  camera.vertical_fov_deg = 60;
+  camera.near_m = kNearM;
+  return perspective_view(camera, glm::dvec3(0));
+}
+
+class CellLooks {
+ public:
+  CellLooks(const Box& cell, HeldNodes held, std::span<const NodeId> front, std::span<const uint8_t> hidden,
+            const LookOptions& options)
+      : cell_(cell),
+        held_(std::move(held)),
+
+        hidden_(hidden),
+        options_(options),
+        numbers_(seed_of(options.seed, cell)) {
+    looks_.pixels_of.assign(front.size(), 0);
+    for (const RasterItem& item : held_.items) touched_ |= item.mesh->box.overlaps(cell);
+  }
+
+  Result<Looks> run() {
+    const uint32_t a_point = options_.around ? 6 : 1;
+    const uint32_t eyes = std::max(1U, options_.views / a_point);
+    for (uint32_t i = 0; i < eyes; ++i) {
+      std::optional<glm::dvec3> eye;
+      PROMENADE_TRY(find_eye(i, eye));
+      if (!eye) continue;
+      ++looks_.eyes;
+      for (uint32_t k = 0; k < a_point; ++k)
+        PROMENADE_TRY(look(options_.around ? cube_face_view(*eye, static_cast<int>(k), options_.picture_px, kNearM)
+                                           : random_view(*eye, options_.picture_px, numbers_)));
+    }
+    return std::move(looks_);
+  }
+
+ private:
+  glm::dvec3 place(uint32_t number) {
+    glm::dvec3 at = numbers_.in_box();
+    if (number % 2 == 0) {  // onto a face
+      const auto face = static_cast<int>(numbers_.unit() * 6);
+      at[face / 2] = face % 2;
+    }
+    return glm::dvec3(cell_.min) + at * glm::dvec3(cell_.size());
+  }
+
+  Status find_eye(uint32_t number, std::optional<glm::dvec3>& found) {
+    for (uint32_t i = 0; i < kTriesAnEye; ++i) {
+      const glm::dvec3 eye = place(number);
+      bool solid = free_ == Free::no;
+      if (free_ == Free::unknown || touched_) PROMENADE_TRY(is_solid(eye, solid));
+      // Where no surface comes into the cell, all of it is as one point of it.
+      if (!touched_) free_ = solid ? Free::no : Free::yes;
+      if (!solid) {
+        found = eye;
+        return Done{};
+      }
+      if (!touched_) break;
+    }
+    return Done{};
+  }
+
+  /// Backs in most directions: with backs drawn more than half of the pixels are nearer than without.
+  Status is_solid(const glm::dvec3& eye, bool& solid) {
+    std::vector<RasterItem> around;
+    for (const RasterItem& item : held_.items)
+      if (item.mesh->box.distance(glm::vec3(eye)) < kProbeReachM) around.push_back(item);
+    VisibilityOptions fronts;
+    fronts.threads = 1;
+    VisibilityOptions both = fronts;
+    both.cull_back = false;
+    uint32_t backs = 0;
+    for (int face = 0; face < 6; ++face) {
+      const RasterView view = cube_face_view(eye, face, kProbePx, kNearM);
+      PROMENADE_TRY(buffer_.draw(view, around, fronts));
+      PROMENADE_TRY(other_.draw(view, around, both));
+      for (uint32_t y = 0; y < kProbePx; ++y)
+        for (uint32_t x = 0; x < kProbePx; ++x) backs += other_.depth_m(x, y) < buffer_.depth_m(x, y) ? 1U : 0U;
+    }
+    solid = backs > 6 * kProbePx * kProbePx / 2;
+    return Done{};
+  }
+
+  Status look(const RasterView& view) {
+    VisibilityOptions options;
+    options.threads = 1;
+    PROMENADE_TRY(buffer_.draw(view, held_.items, options));
+    uint64_t wrong = 0;
+    for (uint32_t y = 0; y < view.height_px; ++y)
+      for (uint32_t x = 0; x < view.width_px; ++x) {
+        const uint32_t item = buffer_.item(x, y);
+        if (item == kNoTriangle) continue;
+        ++looks_.pixels_of[item];
+        if (!hidden_.empty() && hidden_[item] != 0) ++wrong;
+      }
+    ++looks_.views;
+    looks_.pixels += uint64_t(view.width_px) * view.height_px;
+    if (wrong > looks_.worst_pixels) looks_.worst_pixels = wrong, looks_.worst = view;
+    return Done{};
+  }
+
+  enum class Free : uint8_t { unknown, yes, no };
+  Box cell_;
+  HeldNodes held_;
+  std::span<const uint8_t> hidden_;
+  LookOptions options_;
+  Numbers numbers_;
+  bool touched_ = false;  ///< some box of a node reaches into the cell
+  Free free_ = Free::unknown;
+  VisibilityBuffer buffer_, other_;
+  Looks looks_;
+};
+
+}  // namespace
+
+Result<Looks> look_from_cell(const NodeMeshes& meshes, const Box& cell, std::span<const NodeId> front,
+                             std::span<const uint8_t> hidden, const LookOptions& options) {
+  Result<HeldNodes> held = hold_nodes(meshes, front);
+  if (!held) return held.error();
+  return CellLooks(cell, std::move(*held), front, hidden, options).run();
+}
+
+CellVerdict judge(const Model& model, std::span<const NodeId> front, std::span<const uint8_t> hidden,
+                  const Looks& looks) {
+  CellVerdict verdict;
+  for (size_t i = 0; i < front.size(); ++i) {
+    const uint64_t triangles = model.tables.nodes[index_of(front[i])].triangles;
+    const bool seen = looks.pixels_of[i] > 0, kept = hidden[i] == 0;
+    verdict.front_triangles += triangles, ++verdict.front_nodes;
+    if (kept) verdict.kept_triangles += triangles, ++verdict.kept_nodes;
+    if (seen) verdict.seen_triangles += triangles, ++verdict.seen_nodes;
+    if (seen && !kept) ++verdict.false_hidden_nodes, verdict.false_hidden_pixels += looks.pixels_of[i];
+  }
+  return verdict;
+}
+
+}  // namespace promenade

@@ -1,0 +1,309 @@
+// Along a vertical line through a closed surface that faces outwards, the number of surfaces above that face up less
+// those that face down (the label) is 1 inside and 0 outside. A ray from the air (0) into what the air cannot reach (1)
+// crosses some surface from its front. The flood finds openings; the label finds what is closed only because its
+// openings are finer than the grid (a cage has the label 0).
+
+#include "preprocess/visibility/columns.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace promenade {
+namespace {
+
+constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr float kThickSheetM = 0.3F;  // a touched slab up to this thick, solid above and below, is a sheet
+constexpr float kLowGapM = 1.0F;      // gaps lower than this may be slips
+constexpr float kStepM = 0.5F;        // a gap whose ceiling is so little above the air's floor leads under the ground
+constexpr glm::dvec2 kOffMiddleM(0.00137, 0.00073);  // where a column is asked: off the lines that models like
+constexpr double kPocketM2 = 300;  // smaller spaces under a low ceiling are flooded instead of remembered
+
+/// A convex polygon with heights, clipped to a column.
+struct Clip {
+  std::array<glm::dvec3, 8> points;
+  size_t count = 0;
+
+  /// Keeps what has sign * coordinate <= bound.
+  void keep(int axis, double sign, double bound) {
+    Clip kept;
+    for (size_t i = 0; i < count; ++i) {
+      const glm::dvec3 &a = points[i], &b = points[(i + 1) % count];
+      const double da = sign * a[axis] - bound, db = sign * b[axis] - bound;
+      if (da <= 0) kept.points[kept.count++] = a;
+      if ((da < 0 && db > 0) || (da > 0 && db < 0)) kept.points[kept.count++] = a + (b - a) * (da / (da - db));
+    }
+    *this = kept;
+  }
+};
+
+/// A side of a triangle in the plan. The same bits for both directions but for the sign, so that every point belongs
+/// to exactly one of two triangles that share a side.
+struct PlanSide {
+  glm::dvec2 from, way;
+  double sign;  ///< 1, or -1: the inside is to the right of the way
+
+  PlanSide(const glm::vec3& a, const glm::vec3& b, bool counter_clockwise) {
+    const bool swap = a.x > b.x || (a.x == b.x && a.y > b.y);
+    from = glm::dvec2(swap ? b : a), way = glm::dvec2(swap ? a : b) - from;
+    sign = swap == counter_clockwise ? -1 : 1;
+  }
+  /// Twice the area of the triangle with a point; positive inside. A point on the line lies to the left of the way.
+  double off(const glm::dvec2& p) const {
+    const double left = way.x * (p.y - from.y) - way.y * (p.x - from.x);
+    return sign * (left == 0 ? std::numeric_limits<double>::min() : left);
+  }
+  /// How much that changes, at most, when the point moves by `reach` along each axis.
+  double slack(double reach) const { return reach * (std::abs(way.x) + std::abs(way.y)); }
+};
+
+/// Free heights of a column between what is touched.
+struct Run {
+  float floor, ceiling;
+  int16_t label;
+  bool reached = false;
+};
+
+struct Contact {
+  size_t run;
+  uint32_t column;
+};
+
+class Flood {
+ public:
+  Flood(const ColumnGrid& grid, std::vector<Run> runs, std::vector<size_t> first)
+      : grid_(grid), runs_(std::move(runs)), first_(std::move(first)) {}
+
+  void run() {
+    seed();
+    spread();
+    flood_pockets();
+  }
+  SolidColumns solid() const;
+
+ private:
+  void reach(size_t run, uint32_t column) {
+    if (runs_[run].reached) return;
+    runs_[run].reached = true;
+    open_.push_back({run, column});
+  }
+  void seed();
+  void spread();
+  void flood_pockets();
+  std::vector<Contact> pocket_around(size_t run, uint32_t column);
+  /// Calls visit(run, column) for every run of the four neighbours that shares heights with a run.
+  template <class Visit>
+  void neighbours(size_t run, uint32_t column, const Visit& visit) const;
+  bool is_bottom(size_t run, uint32_t column) const { return run == first_[column]; }
+  bool at_border(uint32_t column) const {
+    const uint32_t x = column % grid_.nx, y = column / grid_.nx;
+    return x == 0 || y == 0 || x + 1 == grid_.nx || y + 1 == grid_.ny;
+  }
+  bool leads_under_ground(const Run& from, size_t to, uint32_t column) const {
+    const Run& run = runs_[to];
+    if (run.label <= from.label) return false;
+    if (is_bottom(to, column)) return true;
+    return run.ceiling - run.floor < kLowGapM && (from.floor == -kFar || run.ceiling <= from.floor + kStepM);
+  }
+
+  ColumnGrid grid_;
+  std::vector<Run> runs_;
+  std::vector<size_t> first_;  ///< by column, and the end; runs from the bottom up
+  std::vector<Contact> open_, slips_;
+  std::vector<uint8_t> visited_;
+};
+
+template <class Visit>
+void Flood::neighbours(size_t run, uint32_t column, const Visit& visit) const {
+  const float floor = runs_[run].floor + ColumnBuilder::kSealedGapM;
+  const float ceiling = runs_[run].ceiling - ColumnBuilder::kSealedGapM;
+  const auto look = [&](uint32_t other) {
+    for (size_t r = first_[other]; r < first_[other + 1] && runs_[r].floor < ceiling; ++r)
+      if (runs_[r].ceiling > floor) visit(r, other);
+  };
+  const uint32_t x = column % grid_.nx, y = column / grid_.nx;
+  if (x > 0) look(column - 1);
+  if (x + 1 < grid_.nx) look(column + 1);
+  if (y > 0) look(column - grid_.nx);
+  if (y + 1 < grid_.ny) look(column + grid_.nx);
+}
+
+/// The sky is air; at the border so is everything but what lies under the ground.
+void Flood::seed() {
+  for (uint32_t column = 0; column < grid_.count(); ++column) {
+    reach(first_[column + 1] - 1, column);
+    if (!at_border(column)) continue;
+    for (size_t r = first_[column]; r < first_[column + 1]; ++r) {
+      const Run& run = runs_[r];
+      const bool under = run.label > 0 && (is_bottom(r, column) || run.ceiling - run.floor < kLowGapM);
+      if (!under) reach(r, column);
+    }
+  }
+}
+
+void Flood::spread() {
+  while (!open_.empty()) {
+    const Contact at = open_.back();
+    open_.pop_back();
+    neighbours(at.run, at.column, [&](size_t run, uint32_t column) {
+      if (runs_[run].reached) return;
+      if (leads_under_ground(runs_[at.run], run, column))
+        slips_.push_back({run, column});
+      else
+        reach(run, column);
+    });
+  }
+}
+
+/// What hangs together with a run that the air has not reached.
+std::vector<Contact> Flood::pocket_around(size_t run, uint32_t column) {
+  std::vector<Contact> pocket = {{run, column}};
+  visited_[run] = 1;
+  for (size_t i = 0; i < pocket.size(); ++i) {
+    const Contact at = pocket[i];
+    neighbours(at.run, at.column, [&](size_t next, uint32_t of) {
+      if (runs_[next].reached || visited_[next] != 0) return;
+      visited_[next] = 1;
+      pocket.push_back({next, of});
+    });
+  }
+  return pocket;
+}
+
+/// Air gets into a slip. Where little hangs together with it (the space under a zebra crossing) that is simply air.
+void Flood::flood_pockets() {
+  visited_.assign(runs_.size(), 0);
+  const double most = kPocketM2 / (grid_.column_m * grid_.column_m);
+  for (const Contact& slip : slips_) {
+    if (runs_[slip.run].reached || visited_[slip.run] != 0) continue;
+    const std::vector<Contact> pocket = pocket_around(slip.run, slip.column);
+    if (double(pocket.size()) > most) continue;
+    for (const Contact& part : pocket) runs_[part.run].reached = true;
+  }
+}
+
+SolidColumns Flood::solid() const {
+  SolidColumns solid;
+  solid.base_m.assign(grid_.count(), kFar);
+  solid.top_m.assign(grid_.count(), -kFar);
+  for (uint32_t column = 0; column < grid_.count(); ++column) {
+    const auto is_solid = [&](size_t r) { return !runs_[r].reached && runs_[r].label > 0; };
+    size_t r = first_[column];
+    const size_t end = first_[column + 1];
+    while (r < end && !is_solid(r)) ++r;
+    if (r == end) continue;
+    // A thin sheet below is the solid's own bottom.
+    const bool thin = r > first_[column] && runs_[r].floor - runs_[r - 1].ceiling <= kThickSheetM;
+    solid.base_m[column] = thin ? runs_[r - 1].ceiling : runs_[r].floor;
+    while (r + 1 < end && is_solid(r + 1) && runs_[r + 1].floor - runs_[r].ceiling <= kThickSheetM) ++r;
+    solid.top_m[column] = runs_[r].ceiling;
+  }
+  for (const Contact& slip : slips_)
+    if (!runs_[slip.run].reached) solid.slips.push_back({slip.column, runs_[slip.run].ceiling});
+  return solid;
+}
+
+}  // namespace
+
+ColumnBuilder::ColumnBuilder(const ColumnGrid& grid) : grid_(grid) {}
+
+void ColumnBuilder::touch(uint32_t x, uint32_t y, double low, double high, int32_t facing) {
+  // Outwards by more than the rounding to float.
+  constexpr double kRoundM = 0.001;
+  touches_.push_back(
+      {y * grid_.nx + x, {static_cast<float>(low - kRoundM), static_cast<float>(high + kRoundM), facing}});
+}
+
+void ColumnBuilder::add(const Mesh& mesh, std::span<const Material> materials) {
+  for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const uint32_t material = mesh.material_of(t);
+    if (material < materials.size() && materials[material].alpha != AlphaMode::opaque) continue;
+    glm::vec3 corners[3];
+    for (size_t k = 0; k < 3; ++k) corners[k] = mesh.positions[mesh.indices[t * 3 + k]];
+    add_triangle(corners);
+  }
+}
+
+void ColumnBuilder::add_triangle(const glm::vec3 (&corners)[3]) {
+  const glm::dvec3 a(corners[0]), b(corners[1]), c(corners[2]);
+  const glm::dvec3 low = glm::min(glm::min(a, b), c), high = glm::max(glm::max(a, b), c);
+  const auto index = [&](double at, int axis) { return std::floor((at - grid_.low[axis]) / grid_.column_m); };
+  const double x0 = std::max(index(low.x, 0), 0.0), x1 = std::min(index(high.x, 0), double(grid_.nx) - 1);
+  const double y0 = std::max(index(low.y, 1), 0.0), y1 = std::min(index(high.y, 1), double(grid_.ny) - 1);
+  if (x0 > x1 || y0 > y1) return;
+  const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  const std::array<PlanSide, 3> sides = {PlanSide(corners[0], corners[1], area > 0),
+                                         PlanSide(corners[1], corners[2], area > 0),
+                                         PlanSide(corners[2], corners[0], area > 0)};
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double slope_x = -normal.x / normal.z, slope_y = -normal.y / normal.z;
+  const bool flat = area != 0 && std::abs(slope_x) + std::abs(slope_y) < 4;
+  const double half = grid_.column_m / 2;
+  const double reach = half + 2 * kOffMiddleM.x;  // from the middle, as it is used, to all of the column
+  for (double y = y0; y <= y1; ++y)
+    for (double x = x0; x <= x1; ++x) {
+      const glm::dvec2 corner = grid_.low + glm::dvec2(x, y) * grid_.column_m, far = corner + 2 * half;
+      bool middle_in = area != 0, all_in = flat, all_out = false;
+      for (const PlanSide& side : sides) {
+        const double off = side.off(corner + half + kOffMiddleM), slack = side.slack(reach);
+        middle_in &= off > 0, all_in &= off > slack, all_out |= area != 0 && off < -slack;
+      }
+      if (all_out) continue;
+      const int32_t facing = middle_in ? (area > 0 ? 1 : -1) : 0;
+      const auto column_x = static_cast<uint32_t>(x), column_y = static_cast<uint32_t>(y);
+      if (x0 == x1 && y0 == y1) {
+        touch(column_x, column_y, low.z, high.z, facing);
+      } else if (all_in) {
+        const double z = a.z + slope_x * (corner.x + half - a.x) + slope_y * (corner.y + half - a.y);
+        const double lift = (std::abs(slope_x) + std::abs(slope_y)) * half;
+        touch(column_x, column_y, z - lift, z + lift, facing);
+      } else {
+        Clip clip{{a, b, c}, 3};
+        clip.keep(0, -1, -corner.x), clip.keep(0, 1, far.x), clip.keep(1, -1, -corner.y), clip.keep(1, 1, far.y);
+        if (clip.count == 0) continue;
+        double z0 = clip.points[0].z, z1 = z0;
+        for (size_t i = 1; i < clip.count; ++i)
+          z0 = std::min(z0, clip.points[i].z), z1 = std::max(z1, clip.points[i].z);
+        touch(column_x, column_y, z0, z1, facing);
+      }
+    }
+}
+
+SolidColumns ColumnBuilder::finish() {
+  // By column, then by height.
+  std::vector<size_t> begin(grid_.count() + 1, 0);
+  for (const PlacedTouch& t : touches_) ++begin[t.column + 1];
+  for (size_t i = 0; i < grid_.count(); ++i) begin[i + 1] += begin[i];
+  std::vector<Touch> sorted(touches_.size());
+  std::vector<size_t> at(begin.begin(), begin.end() - 1);
+  for (const PlacedTouch& t : touches_) sorted[at[t.column]++] = t.touch;
+  touches_ = {};
+
+  std::vector<Run> runs;
+  std::vector<size_t> first = {0};
+  first.reserve(grid_.count() + 1);
+  runs.reserve(sorted.size() / 2 + grid_.count());
+  for (size_t column = 0; column < grid_.count(); ++column) {
+    const std::span<Touch> touches(sorted.data() + begin[column], begin[column + 1] - begin[column]);
+    std::sort(touches.begin(), touches.end(), [](const Touch& a, const Touch& b) { return a.low < b.low; });
+    int32_t label = 0;
+    for (const Touch& t : touches) label += t.facing;
+    float floor = -kFar;
+    for (size_t i = 0; i < touches.size();) {
+      runs.push_back({floor, touches[i].low, static_cast<int16_t>(std::clamp(label, -30000, 30000))});
+      floor = touches[i].high;
+      for (; i < touches.size() && touches[i].low <= floor + kSealedGapM; ++i) {
+        floor = std::max(floor, touches[i].high);
+        label -= touches[i].facing;
+      }
+    }
+    runs.push_back({floor, kFar, 0});
+    first.push_back(runs.size());
+  }
+  Flood flood(grid_, std::move(runs), std::move(first));
+  flood.run();
+  return flood.solid();
+}
+
+}  // namespace promenade

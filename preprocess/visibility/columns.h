@@ -1,0 +1,63 @@
+#pragma once
+// A piece of the world as columns: on a fine grid seen from above, which heights are touched by a surface, which are
+// free, and which free heights the open air cannot reach. What it cannot reach, below a surface that faces up, is
+// solid: nobody sees through it.
+//
+// Only opaque surfaces count. Gaps narrower than a column (or lower than kSealedGapM) are taken for closed.
+
+#include <glm/vec2.hpp>
+#include <span>
+#include <vector>
+
+#include "geometry/mesh.h"
+
+namespace promenade {
+
+struct ColumnGrid {
+  glm::dvec2 low{0};      ///< corner, metres, model space
+  double column_m = 0.1;  ///< side of a column
+  uint32_t nx = 0, ny = 0;
+  size_t count() const { return size_t(nx) * ny; }
+};
+
+/// Per column, x fastest.
+struct SolidColumns {
+  std::vector<float> base_m;  ///< solid from here (-infinity: all the way down) ...
+  std::vector<float> top_m;   ///< ... up to here; -infinity: nowhere solid
+  /// Where air can slip in below the lowest sheet of the ground, and how high that gap reaches: rays through such a
+  /// place, below that height, may go under the ground.
+  struct Slip {
+    uint32_t column;
+    float top_m;
+  };
+  std::vector<Slip> slips;
+};
+
+/// Gathers surfaces, then says what is solid. One thread.
+class ColumnBuilder {
+ public:
+  static constexpr float kSealedGapM = 0.004F;
+
+  explicit ColumnBuilder(const ColumnGrid& grid);
+  /// Model space. Triangles whose material is not opaque are left out.
+  void add(const Mesh& mesh, std::span<const Material> materials);
+  /// Air may come in over the grid's border. Ends the builder's life.
+  SolidColumns finish();
+
+ private:
+  struct Touch {
+    float low, high;
+    int32_t facing;  ///< 1 the column's middle lies under a surface that faces up, -1 down, 0 beside it
+  };
+  struct PlacedTouch {
+    uint32_t column;
+    Touch touch;
+  };
+  void add_triangle(const glm::vec3 (&corners)[3]);
+  void touch(uint32_t x, uint32_t y, double low, double high, int32_t facing);
+
+  ColumnGrid grid_;
+  std::vector<PlacedTouch> touches_;
+};
+
+}  // namespace promenade

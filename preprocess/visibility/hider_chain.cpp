@@ -1,0 +1,130 @@
+#include "preprocess/visibility/hider_chain.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "preprocess/visibility/hiders/backface.h"
+#include "preprocess/visibility/hiders/horizon.h"
+#include "preprocess/visibility/hiders/sampled.h"
+#include "preprocess/visibility/node_meshes.h"
+#include "preprocess/visibility/node_parts.h"
+#include "preprocess/visibility/occluders.h"
+
+namespace promenade {
+namespace {
+
+/// A hider with its share of what it needs, which it refers to.
+template <class Share>
+class Owning : public Hider {
+ public:
+  Owning(std::unique_ptr<Hider> hider, std::shared_ptr<Share> share)
+      : share_(std::move(share)), hider_(std::move(hider)) {}
+  std::string_view name() const override { return hider_->name(); }
+  bool is_conservative() const override { return hider_->is_conservative(); }
+  Status hide(const HiderQuestion& question, std::span<uint8_t> hidden) const override {
+    return hider_->hide(question, hidden);
+  }
+
+ private:
+  std::shared_ptr<Share> share_;
+  std::unique_ptr<Hider> hider_;
+};
+
+template <class Share>
+std::unique_ptr<Hider> owning(std::unique_ptr<Hider> hider, std::shared_ptr<Share> share) {
+  return std::make_unique<Owning<Share>>(std::move(hider), std::move(share));
+}
+
+/// Makes hiders one after the other; what several need is made for the first that asks.
+class ChainMaker {
+ public:
+  ChainMaker(const ModelReader& model, const HiderBuildOptions& options, JobMonitor& monitor)
+      : model_(model), options_(options), monitor_(monitor) {}
+
+  Result<std::unique_ptr<Hider>> make(std::string_view name) {
+    if (name == "backface") {
+      PROMENADE_TRY(need_parts());
+      return owning(make_backface_hider(model_.model(), *parts_), parts_);
+    }
+    if (name == "horizon") {
+      PROMENADE_TRY(need_parts());
+      Result<OccluderSet> occluders = extract_occluders(model_, OccluderOptions(), monitor_);
+      if (!occluders) return occluders.error();
+      struct Share {
+        std::shared_ptr<NodeParts> parts;
+        OccluderSet occluders;
+      };
+      auto share = std::make_shared<Share>(Share{parts_, std::move(*occluders)});
+      return owning(make_horizon_hider(model_.model(), *share->parts, share->occluders), share);
+    }
+    if (name == "sampled") {
+      PROMENADE_TRY(need_meshes());
+      return owning(make_sampled_hider(*meshes_), meshes_);
+    }
+    return Error{fmt::format("unknown hider '{}': one of {}", name, hider_names())};
+  }
+
+ private:
+  Status need_parts() {
+    if (parts_) return Done{};
+    Result<NodeParts> parts = NodeParts::make(model_, monitor_);
+    if (!parts) return parts.error();
+    parts_ = std::make_shared<NodeParts>(std::move(*parts));
+    return Done{};
+  }
+  Status need_meshes() {
+    if (meshes_) return Done{};
+    Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(model_, options_.memory_bytes / 2);
+    if (!meshes) return meshes.error();
+    meshes_ = std::move(*meshes);
+    return Done{};
+  }
+
+  const ModelReader& model_;
+  const HiderBuildOptions& options_;
+  JobMonitor& monitor_;
+  std::shared_ptr<NodeParts> parts_;
+  std::shared_ptr<NodeMeshes> meshes_;
+};
+
+}  // namespace
+
+std::string_view hider_names() { return "backface, horizon, sampled"; }
+
+const std::vector<std::string>& default_hiders() {
+  static const std::vector<std::string> names = {"backface", "horizon"};
+  return names;
+}
+
+Result<std::vector<std::string>> parse_hiders(std::string_view list) {
+  std::vector<std::string> names;
+  if (list.empty() || list == "none") return names;
+  for (size_t at = 0; at <= list.size();) {
+    const size_t end = std::min(list.find(',', at), list.size());
+    const std::string name(list.substr(at, end - at));
+    at = end + 1;
+    const std::string known = fmt::format(", {},", hider_names());
+    if (name.empty() || known.find(fmt::format(" {},", name)) == std::string::npos)
+      return Error{fmt::format("unknown hider '{}': one of {}", name, hider_names())};
+    if (std::find(names.begin(), names.end(), name) != names.end())
+      return Error{fmt::format("hider '{}' twice in '{}'", name, list)};
+    names.push_back(name);
+  }
+  return names;
+}
+
+Result<std::vector<std::unique_ptr<Hider>>> make_hiders(std::span<const std::string> names, const ModelReader& model,
+                                                        const HiderBuildOptions& options, JobMonitor& monitor) {
+  ChainMaker maker(model, options, monitor);
+  std::vector<std::unique_ptr<Hider>> hiders;
+  for (const std::string& name : names) {
+    Result<std::unique_ptr<Hider>> hider = maker.make(name);
+    if (!hider) return hider.error();
+    hiders.push_back(std::move(*hider));
+  }
+  return hiders;
+}
+
+}  // namespace promenade

@@ -1,0 +1,32 @@
+#pragma once
+// The hiders by name, and chains of them.
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geometry/job_monitor.h"
+#include "layout/model_io.h"
+#include "preprocess/visibility/hider.h"
+
+namespace promenade {
+
+struct HiderBuildOptions {
+  uint64_t memory_bytes = uint64_t(1) << 30;  ///< for what the hiders prepare and cache, together
+};
+
+/// Every name that a chain may hold, separated by commas: for usage texts.
+std::string_view hider_names();
+/// What a build uses unless told otherwise.
+const std::vector<std::string>& default_hiders();
+/// "backface,horizon" to names; "none" and "" to no names. Errors: a name that no hider has, or one given twice.
+Result<std::vector<std::string>> parse_hiders(std::string_view list);
+
+/// Prepares hiders for a model, in the order of their names; that is the order in which a cell should ask them. What
+/// they share is made once and lives as long as any of them. The model must outlive them. Runs on the threads of the
+/// arena. Errors: unknown names; reading the model; "interrupted".
+Result<std::vector<std::unique_ptr<Hider>>> make_hiders(std::span<const std::string> names, const ModelReader& model,
+                                                        const HiderBuildOptions& options, JobMonitor& monitor);
+
+}  // namespace promenade

@@ -1,0 +1,262 @@
+// What a cell sees past upright solids outside it, its four top edges see: lift the eye to the cell's top, then move it
+// along the ray's plan to where the ray leaves the cell, or (when it climbs above the top before that) to where it
+// enters: the ray to the same target then runs no lower anywhere outside the cell. [chhugani2003] section 5.1 argues
+// likewise for its horizon planes.
+//
+// An edge is decided in segments. From the middle of a segment, solids eroded by half its length (and by the error of
+// what is drawn for them, which also lowers them) hide what the solids hide from all of the segment, however many of
+// them work together: a ray from another point of the segment runs within the erosion of the middle's ray, at the same
+// heights. Seen past the solids as they are: seen. Neither: the segment is halved.
+// Source: the shrinking of occluders for a region of eyes is [chhugani2003] section 5.2's (its [WWS00]).
+
+#include "preprocess/visibility/hiders/horizon.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "preprocess/visibility/azimuth_horizon.h"
+
+namespace promenade {
+namespace {
+
+constexpr int kMostHalvings = 6;  // measured: see bench_hiders
+constexpr float kSmallestSegmentM = 0.2F;
+constexpr uint32_t kErrorGrid = 64;  // cells a side of the map of errors
+
+/// The greatest error of what is drawn around each place of the plan.
+class ErrorMap {
+ public:
+  ErrorMap(const Model& model, std::span<const NodeId> front) : errors_(size_t(kErrorGrid) * kErrorGrid, 0) {
+    for (const NodeId id : front) box_.add(model.tables.nodes[index_of(id)].box);
+    for (const NodeId id : front) {
+      const NodeRecord& node = model.tables.nodes[index_of(id)];
+      visit(node.box, [&](float& error) { error = std::max(error, node.error_m); });
+    }
+  }
+  float around(const Box& box) {
+    float most = 0;
+    visit(box, [&](const float& error) { most = std::max(most, error); });
+    return most;
+  }
+
+ private:
+  template <class Visit>
+  void visit(const Box& box, const Visit& visit) {
+    const glm::vec3 scale = float(kErrorGrid) / glm::max(box_.size(), glm::vec3(1e-6F));
+    const auto cell = [&](float at, int axis) {
+      return static_cast<uint32_t>(std::clamp((at - box_.min[axis]) * scale[axis], 0.0F, float(kErrorGrid - 1)));
+    };
+    for (uint32_t y = cell(box.min.y, 1); y <= cell(box.max.y, 1); ++y)
+      for (uint32_t x = cell(box.min.x, 0); x <= cell(box.max.x, 0); ++x) visit(errors_[size_t(y) * kErrorGrid + x]);
+  }
+  Box box_;
+  std::vector<float> errors_;
+};
+
+/// An occluder as this cell may use it.
+struct Usable {
+  const Occluder* occluder;
+  float error_m;
+  float distance_m;
+};
+
+/// Whether one of two boxes lies above or below the other.
+bool share_plan(const Box& a, const Box& b) {
+  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y;
+}
+
+float plan_distance(const Box& a, const Box& b) {
+  const glm::vec2 gap =
+      glm::max(glm::max(glm::vec2(a.min) - glm::vec2(b.max), glm::vec2(b.min) - glm::vec2(a.max)), glm::vec2(0));
+  return std::hypot(gap.x, gap.y);
+}
+
+/// Boxes that must be hidden one by one; several belong to a node.
+struct Target {
+  Box box;
+  uint32_t node;  ///< into the front
+};
+
+/// One cell's question in work.
+class CellWork {
+ public:
+  CellWork(const Model& model, const NodeParts& parts, const OccluderSet& set, const HiderQuestion& question,
+           std::span<uint8_t> hidden)
+      : model_(model), parts_(parts), set_(set), cell_(question.cell), front_(question.front), hidden_(hidden) {}
+
+  void run() {
+    gather_targets();
+    gather_occluders();
+    if (usable_.empty()) return;
+    look_from_corners();
+    prove_edges();
+    for (size_t i = 0; i < front_.size(); ++i)
+      if (state_[i] == State::open) hidden_[i] = 1;
+  }
+
+ private:
+  enum class State : uint8_t { open, seen };
+  using Targets = std::vector<uint32_t>;
+
+  void gather_targets();
+  void gather_occluders();
+  void look_from_corners();
+  void prove_edges();
+  void prove(const glm::dvec3& from, const glm::dvec3& to, Targets targets, int halvings);
+  void fill_horizon(const glm::dvec3& eye, const Targets& targets, float erosion_m);
+  /// Targets that the horizon does not hide.
+  Targets not_hidden(const Targets& targets);
+  void keep(const Targets& targets) {
+    for (const uint32_t t : targets) state_[targets_[t].node] = State::seen;
+  }
+  Targets still_open(const Targets& targets) const {
+    Targets open;
+    for (const uint32_t t : targets)
+      if (state_[targets_[t].node] == State::open) open.push_back(t);
+    return open;
+  }
+  std::array<glm::dvec3, 4> corners() const {
+    const glm::dvec3 low(cell_.min), high(cell_.max);
+    return {
+        glm::dvec3(low.x, low.y, high.z), {high.x, low.y, high.z}, {high.x, high.y, high.z}, {low.x, high.y, high.z}};
+  }
+
+  const Model& model_;
+  const NodeParts& parts_;
+  const OccluderSet& set_;
+  const Box cell_;
+  std::span<const NodeId> front_;
+  std::span<uint8_t> hidden_;
+  std::vector<State> state_;
+  std::vector<Target> targets_;
+  float lowest_m_ = 0;  ///< no ray that matters goes below
+  std::vector<Usable> usable_;
+  AzimuthHorizon horizon_;
+};
+
+/// The parts of each node that face the cell. A node with a part above, below or around the cell is seen, as is one
+/// that may be seen from under the ground.
+void CellWork::gather_targets() {
+  state_.assign(front_.size(), State::open);
+  lowest_m_ = cell_.min.z;
+  for (uint32_t i = 0; i < front_.size(); ++i) {
+    if (hidden_[i] != 0) {
+      state_[i] = State::seen;  // nothing to prove; what is set already stays
+      continue;
+    }
+    const size_t first = targets_.size();
+    for (const NodePart& part : parts_.of(front_[i])) {
+      if (faces_away_from_cell(part.cone, part.box, cell_)) continue;
+      Box around = cell_;
+      around.add(part.box);
+      const bool slips = set_.may_slip(around, std::min(cell_.min.z, part.box.min.z));
+      if (slips || share_plan(part.box, cell_)) {
+        state_[i] = State::seen;
+        break;
+      }
+      targets_.push_back({part.box, i});
+    }
+    if (state_[i] == State::seen) targets_.resize(first);
+  }
+  for (const Target& target : targets_) lowest_m_ = std::min(lowest_m_, target.box.min.z);
+}
+
+void CellWork::gather_occluders() {
+  ErrorMap errors(model_, front_);
+  for (const Occluder& occluder : set_.occluders) {
+    if (occluder.base_m > lowest_m_) continue;
+    const float distance = plan_distance(occluder.box, cell_);
+    usable_.push_back({&occluder, errors.around(occluder.box), distance});
+  }
+  std::stable_sort(usable_.begin(), usable_.end(),
+                   [](const Usable& a, const Usable& b) { return a.distance_m < b.distance_m; });
+}
+
+void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float erosion_m) {
+  horizon_.reset(eye);
+  horizon_.want_none();
+  for (const uint32_t t : targets) horizon_.want(horizon_.view_of(targets_[t].box));
+  horizon_.wants_complete();
+  for (const Usable& usable : usable_) {
+    const float need = erosion_m + usable.error_m;
+    const auto& levels = OccluderSet::kErosionsM;
+    const size_t level = size_t(std::lower_bound(levels.begin(), levels.end(), need) - levels.begin());
+    if (level == levels.size()) continue;
+    const std::span<const OccluderLoop> loops = set_.loops_of(*usable.occluder, level);
+    if (loops.empty() || !horizon_.worth_adding(usable.occluder->box)) continue;
+    Box clear = cell_;
+    clear.min -= levels[level], clear.max += levels[level];
+    for (const OccluderLoop& loop : loops) horizon_.add(set_.points_of(loop), loop.top_m - usable.error_m, clear);
+  }
+}
+
+CellWork::Targets CellWork::not_hidden(const Targets& targets) {
+  Targets left;
+  for (const uint32_t t : targets)
+    if (!horizon_.hides(horizon_.view_of(targets_[t].box))) left.push_back(t);
+  return left;
+}
+
+/// Most of what is seen is seen from a corner or from the middle of an edge.
+void CellWork::look_from_corners() {
+  Targets open(targets_.size());
+  std::iota(open.begin(), open.end(), 0U);
+  const auto corner = corners();
+  for (size_t i = 0; i < 8; ++i) {
+    const glm::dvec3 eye = i < 4 ? corner[i] : (corner[i - 4] + corner[(i - 3) % 4]) * 0.5;
+    fill_horizon(eye, open, 0);
+    keep(not_hidden(open));
+    open = still_open(open);
+  }
+}
+
+void CellWork::prove_edges() {
+  Targets all(targets_.size());
+  std::iota(all.begin(), all.end(), 0U);
+  const auto corner = corners();
+  for (size_t i = 0; i < 4; ++i) prove(corner[i], corner[(i + 1) % 4], still_open(all), 0);
+}
+
+void CellWork::prove(const glm::dvec3& from, const glm::dvec3& to, Targets targets, int halvings) {
+  targets = still_open(targets);
+  if (targets.empty()) return;
+  const glm::dvec3 middle = (from + to) * 0.5;
+  const auto half = static_cast<float>(glm::length(to - from) * 0.5 * (1 + 1e-6));
+  fill_horizon(middle, targets, half);
+  targets = not_hidden(targets);
+  if (targets.empty()) return;
+  if (halvings == kMostHalvings || 2 * half <= kSmallestSegmentM) return keep(targets);
+  fill_horizon(middle, targets, 0);
+  keep(not_hidden(targets));
+  targets = still_open(targets);
+  prove(from, middle, targets, halvings + 1);
+  prove(middle, to, targets, halvings + 1);
+}
+
+class HorizonHider : public Hider {
+ public:
+  HorizonHider(const Model& model, const NodeParts& parts, const OccluderSet& occluders)
+      : model_(model), parts_(parts), occluders_(occluders) {}
+
+  std::string_view name() const override { return "horizon"; }
+
+  Status hide(const HiderQuestion& question, std::span<uint8_t> hidden) const override {
+    CellWork(model_, parts_, occluders_, question, hidden).run();
+    return Done{};
+  }
+
+ private:
+  const Model& model_;
+  const NodeParts& parts_;
+  const OccluderSet& occluders_;
+};
+
+}  // namespace
+
+std::unique_ptr<Hider> make_horizon_hider(const Model& model, const NodeParts& parts, const OccluderSet& occluders) {
+  return std::make_unique<HorizonHider>(model, parts, occluders);
+}
+
+}  // namespace promenade

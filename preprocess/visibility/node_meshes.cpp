@@ -1,0 +1,88 @@
+#include "preprocess/visibility/node_meshes.h"
+
+#include <algorithm>
+
+namespace promenade {
+
+Result<std::unique_ptr<NodeMeshes>> NodeMeshes::make(const ModelReader& model, uint64_t cache_bytes) {
+  std::unique_ptr<NodeMeshes> meshes(new NodeMeshes(model, cache_bytes));
+  PROMENADE_TRY(meshes->read_holes());
+  return meshes;
+}
+
+Status NodeMeshes::read_holes() {
+  const ModelTables& tables = model_.model().tables;
+  textures_.resize(tables.textures.size());
+  for (const Material& material : tables.materials) {
+    const uint32_t texture = material.texture;
+    if (material.alpha == AlphaMode::opaque || texture == kNoTexture || textures_[texture]) continue;
+    const Result<Image> image = model_.read_texture(texture);
+    if (!image) return image.error();
+    Result<MipTexture> mips = MipTexture::make(*image);
+    if (!mips) return mips.error();
+    textures_[texture] = std::make_unique<MipTexture>(std::move(*mips));
+  }
+  std::vector<const MipTexture*> pointers;
+  for (const auto& texture : textures_) pointers.push_back(texture.get());
+  surfaces_ = std::make_unique<SurfaceTable>(tables.materials, pointers);
+  return Done{};
+}
+
+Result<PreparedMesh> NodeMeshes::prepare_node(NodeId id) const {
+  const Result<Mesh> mesh = model_.read_mesh(id);
+  if (!mesh) return mesh.error();
+  const std::vector<Material>& materials = model_.model().tables.materials;
+  PrepareOptions options;
+  options.attributes = false;
+  for (size_t t = 0; t < mesh->triangle_count() && !options.attributes; ++t)
+    options.attributes = materials[mesh->material_of(t)].alpha != AlphaMode::opaque;
+  return prepare(*mesh, materials, options);
+}
+
+Result<std::shared_ptr<const PreparedMesh>> NodeMeshes::get(NodeId id) const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = entries_.find(index_of(id)); found != entries_.end()) {
+      found->second.last_use = ++uses_;
+      return found->second.mesh;
+    }
+  }
+  Result<PreparedMesh> made = prepare_node(id);  // two threads may both make it: the first one's is kept
+  if (!made) return made.error();
+  auto mesh = std::make_shared<const PreparedMesh>(std::move(*made));
+  const std::lock_guard lock(mutex_);
+  const auto [entry, added] = entries_.try_emplace(index_of(id), Entry{mesh, 0});
+  entry->second.last_use = ++uses_;
+  mesh = entry->second.mesh;
+  if (added) bytes_ += mesh->byte_size();
+  if (bytes_ > cache_bytes_) make_room();
+  return mesh;
+}
+
+/// Forgets the quarter that was not used for longest, so that the scan is rare.
+void NodeMeshes::make_room() const {
+  std::vector<std::pair<uint64_t, uint32_t>> by_age;
+  by_age.reserve(entries_.size());
+  for (const auto& [id, entry] : entries_) by_age.emplace_back(entry.last_use, id);
+  std::sort(by_age.begin(), by_age.end());
+  for (const auto& [age, id] : by_age) {
+    if (bytes_ <= cache_bytes_ / 4 * 3) break;
+    const auto entry = entries_.find(id);
+    bytes_ -= entry->second.mesh->byte_size();
+    entries_.erase(entry);
+  }
+}
+
+Result<HeldNodes> hold_nodes(const NodeMeshes& meshes, std::span<const NodeId> nodes) {
+  HeldNodes held;
+  held.meshes.reserve(nodes.size()), held.items.reserve(nodes.size());
+  for (const NodeId id : nodes) {
+    Result<std::shared_ptr<const PreparedMesh>> mesh = meshes.get(id);
+    if (!mesh) return mesh.error();
+    held.items.push_back({mesh->get(), index_of(id), &meshes.surfaces(), {}});
+    held.meshes.push_back(std::move(*mesh));
+  }
+  return held;
+}
+
+}  // namespace promenade

@@ -1,0 +1,331 @@
+#include "preprocess/visibility/occluders.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+#include "preprocess/visibility/columns.h"
+#include "preprocess/visibility/contours.h"
+
+namespace promenade {
+namespace {
+
+constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr uint32_t kNoRegion = 0xffffffffU;
+constexpr size_t kMostTops = 8;      // of an occluder: flat roofs need one, hips some
+constexpr double kSimplifyM = 0.04;  // and a tenth of the erosion
+constexpr float kLeastLoopM = 1.0F;  // smaller loops hide next to nothing
+constexpr double kGroundBlockM = 16;
+
+/// What a tile contributes, with its own numbering of loops and points.
+struct TileResult {
+  OccluderSet set;
+  std::vector<std::pair<glm::dvec2, float>> slips;
+};
+
+/// The tile's solid columns turned into occluders.
+class TileWork {
+ public:
+  TileWork(const ColumnGrid& grid, const SolidColumns& solid, const Box& core, const OccluderOptions& options)
+      : grid_(grid), solid_(solid), core_(core), options_(options) {}
+
+  TileResult run() {
+    find_ground();
+    label_regions();
+    for (uint32_t region = 0; region < regions_.size(); ++region)
+      if (is_ours(regions_[region])) add_occluder(regions_[region], region);
+    for (const SolidColumns::Slip& slip : solid_.slips)
+      result_.slips.emplace_back(place(slip.column % grid_.nx, slip.column / grid_.nx), slip.top_m);
+    return std::move(result_);
+  }
+
+ private:
+  struct Region {
+    uint32_t x0, y0, x1, y1;  ///< columns, inclusive
+    std::vector<uint32_t> columns;
+  };
+  glm::dvec2 place(double x, double y) const { return grid_.low + glm::dvec2(x, y) * grid_.column_m; }
+  void find_ground();
+  void label_regions();
+  bool is_ours(const Region& region) const;
+  void add_occluder(const Region& region, uint32_t number);
+  std::vector<float> choose_tops(const Region& region) const;
+  void add_loops(const Region& region, uint32_t number, float top_m, std::array<std::vector<OccluderLoop>, 9>& loops);
+  float ground_at(uint32_t column) const {
+    const uint32_t x = column % grid_.nx / block_, y = column / grid_.nx / block_;
+    return ground_[size_t(y) * blocks_x_ + x];
+  }
+  bool raised(uint32_t column) const {
+    return solid_.top_m[column] > -kFar && double(solid_.top_m[column] - ground_at(column)) >= options_.least_rise_m;
+  }
+
+  const ColumnGrid& grid_;
+  const SolidColumns& solid_;
+  Box core_;
+  const OccluderOptions& options_;
+  uint32_t block_ = 1, blocks_x_ = 0, blocks_y_ = 0;
+  std::vector<float> ground_;  ///< the lowest solid top or base around each block
+  std::vector<uint32_t> region_of_;
+  std::vector<Region> regions_;
+  TileResult result_;
+};
+
+/// The lowest solid height within a block and those around it: what rises above that may hide something.
+void TileWork::find_ground() {
+  block_ = std::max(1U, static_cast<uint32_t>(kGroundBlockM / grid_.column_m));
+  blocks_x_ = (grid_.nx + block_ - 1) / block_, blocks_y_ = (grid_.ny + block_ - 1) / block_;
+  std::vector<float> lowest(size_t(blocks_x_) * blocks_y_, kFar);
+  for (uint32_t column = 0; column < grid_.count(); ++column) {
+    if (solid_.top_m[column] == -kFar) continue;
+    float& low = lowest[size_t(column / grid_.nx / block_) * blocks_x_ + column % grid_.nx / block_];
+    low = std::min(low, solid_.base_m[column] > -kFar ? solid_.base_m[column] : solid_.top_m[column]);
+  }
+  ground_.assign(lowest.size(), kFar);
+  for (uint32_t y = 0; y < blocks_y_; ++y)
+    for (uint32_t x = 0; x < blocks_x_; ++x)
+      for (uint32_t v = y == 0 ? 0 : y - 1; v <= std::min(y + 1, blocks_y_ - 1); ++v)
+        for (uint32_t u = x == 0 ? 0 : x - 1; u <= std::min(x + 1, blocks_x_ - 1); ++u)
+          ground_[size_t(y) * blocks_x_ + x] =
+              std::min(ground_[size_t(y) * blocks_x_ + x], lowest[size_t(v) * blocks_x_ + u]);
+}
+
+/// Raised columns that hang together over their sides.
+void TileWork::label_regions() {
+  region_of_.assign(grid_.count(), kNoRegion);
+  for (uint32_t seed = 0; seed < grid_.count(); ++seed) {
+    if (region_of_[seed] != kNoRegion || !raised(seed)) continue;
+    const auto number = static_cast<uint32_t>(regions_.size());
+    Region region{grid_.nx, grid_.ny, 0, 0, {seed}};
+    region_of_[seed] = number;
+    for (size_t i = 0; i < region.columns.size(); ++i) {
+      const uint32_t column = region.columns[i], x = column % grid_.nx, y = column / grid_.nx;
+      region.x0 = std::min(region.x0, x), region.x1 = std::max(region.x1, x);
+      region.y0 = std::min(region.y0, y), region.y1 = std::max(region.y1, y);
+      const auto take = [&](uint32_t other) {
+        if (region_of_[other] != kNoRegion || !raised(other)) return;
+        region_of_[other] = number;
+        region.columns.push_back(other);
+      };
+      if (x > 0) take(column - 1);
+      if (x + 1 < grid_.nx) take(column + 1);
+      if (y > 0) take(column - grid_.nx);
+      if (y + 1 < grid_.ny) take(column + grid_.nx);
+    }
+    regions_.push_back(std::move(region));
+  }
+}
+
+/// Each region belongs to the tile with its middle; one that the tile's margin cuts off also to the tiles it reaches.
+bool TileWork::is_ours(const Region& region) const {
+  const glm::dvec2 low = place(region.x0, region.y0), high = place(region.x1 + 1, region.y1 + 1);
+  if (std::min(high.x - low.x, high.y - low.y) < double(kLeastLoopM)) return false;
+  const glm::dvec2 middle = (low + high) * 0.5, core_low(core_.min), core_high(core_.max);
+  if (glm::all(glm::greaterThanEqual(middle, core_low)) && glm::all(glm::lessThan(middle, core_high))) return true;
+  const bool cut = region.x0 == 0 || region.y0 == 0 || region.x1 + 1 == grid_.nx || region.y1 + 1 == grid_.ny;
+  return cut && glm::all(glm::lessThan(low, core_high)) && glm::all(glm::greaterThan(high, core_low));
+}
+
+/// The heights at which to cut a region: those that keep the most of its volume, each the top of some column.
+/// Dynamic programming over a histogram.
+std::vector<float> TileWork::choose_tops(const Region& region) const {
+  std::vector<float> heights;
+  heights.reserve(region.columns.size());
+  for (const uint32_t column : region.columns) heights.push_back(solid_.top_m[column]);
+  std::sort(heights.begin(), heights.end());
+  // Steps of the sorted heights: bins[i] starts at a height and holds what is less than a bin above it.
+  struct Bin {
+    float low;
+    double count;
+  };
+  const float width = std::max(0.05F, (heights.back() - heights.front()) / 200);
+  std::vector<Bin> bins;
+  for (const float h : heights) {
+    if (bins.empty() || h > bins.back().low + width) bins.push_back({h, 0});
+    bins.back().count += 1;
+  }
+  const size_t n = bins.size();
+  std::vector<double> above(n + 1, 0);  // columns from a bin up
+  for (size_t i = n; i-- > 0;) above[i] = above[i + 1] + bins[i].count;
+  // best[k][i]: most volume with k cuts, the lowest of them at bin i.
+  std::vector<std::vector<double>> best(kMostTops + 1, std::vector<double>(n, 0));
+  std::vector<std::vector<size_t>> next(kMostTops + 1, std::vector<size_t>(n, n));
+  const float floor = bins.front().low - static_cast<float>(options_.least_rise_m);
+  for (size_t k = 1; k <= kMostTops; ++k)
+    for (size_t i = n; i-- > 0;) {
+      const double rise = double(bins[i].low - floor);
+      best[k][i] = rise * above[i];
+      for (size_t j = i + 1; k > 1 && j < n; ++j)
+        if (const double v = best[k - 1][j] + rise * (above[i] - above[j]); v > best[k][i])
+          best[k][i] = v, next[k][i] = j;
+    }
+  std::vector<float> tops;
+  const std::vector<double>& last = best[kMostTops];
+  size_t at = static_cast<size_t>(std::max_element(last.begin(), last.end()) - last.begin());
+  for (size_t k = kMostTops; k > 0 && at < n; --k) {
+    tops.push_back(bins[at].low);
+    at = next[k][at];
+  }
+  return tops;
+}
+
+void TileWork::add_loops(const Region& region, uint32_t number, float top_m,
+                         std::array<std::vector<OccluderLoop>, 9>& loops) {
+  Mask mask{region.x1 - region.x0 + 3, region.y1 - region.y0 + 3, {}};
+  mask.inside.assign(size_t(mask.nx) * mask.ny, 0);
+  float base_m = -kFar;
+  for (const uint32_t column : region.columns) {
+    if (solid_.top_m[column] < top_m || region_of_[column] != number) continue;
+    const uint32_t x = column % grid_.nx - region.x0 + 1, y = column / grid_.nx - region.y0 + 1;
+    mask.inside[size_t(y) * mask.nx + x] = 1;
+    base_m = std::max(base_m, solid_.base_m[column]);
+  }
+  const std::vector<float> depths = squared_depths(mask);
+  const glm::dvec2 low = place(double(region.x0) - 1, double(region.y0) - 1);
+  for (size_t k = 0; k < OccluderSet::kErosionsM.size(); ++k) {
+    const double erosion = double(OccluderSet::kErosionsM[k]);
+    const std::vector<Loop> made =
+        loops_at_depth(mask, depths, erosion / grid_.column_m, (kSimplifyM + 0.1 * erosion) / grid_.column_m);
+    for (const Loop& loop : made) {
+      OccluderLoop entry{top_m, base_m, static_cast<uint32_t>(result_.set.points.size()), 0};
+      Box bounds;
+      for (const glm::vec2& p : loop) {
+        const glm::vec2 point(low + glm::dvec2(p) * grid_.column_m);
+        bounds.add({point, 0});
+        result_.set.points.push_back(point);
+      }
+      if (std::max(bounds.size().x, bounds.size().y) < kLeastLoopM) {
+        result_.set.points.resize(entry.first_point);
+        continue;
+      }
+      entry.point_count = static_cast<uint32_t>(loop.size());
+      loops[k].push_back(entry);
+    }
+    if (made.empty()) break;  // deeper there is nothing either
+  }
+}
+
+void TileWork::add_occluder(const Region& region, uint32_t number) {
+  std::array<std::vector<OccluderLoop>, 9> loops;
+  for (const float top_m : choose_tops(region)) add_loops(region, number, top_m, loops);
+  Occluder occluder;
+  occluder.base_m = -kFar;
+  occluder.first_loop = static_cast<uint32_t>(result_.set.loops.size());
+  for (size_t k = 0; k < loops.size(); ++k) {
+    for (const OccluderLoop& loop : loops[k]) {
+      occluder.base_m = std::max(occluder.base_m, loop.base_m);
+      for (const glm::vec2& p : result_.set.points_of(loop)) occluder.box.add({p, loop.top_m});
+      result_.set.loops.push_back(loop);
+    }
+    occluder.loops_end[k] = static_cast<uint32_t>(result_.set.loops.size());
+  }
+  if (!occluder.box.empty()) result_.set.occluders.push_back(occluder);
+}
+
+/// Reads what a tile needs and works through it.
+Result<TileResult> work_tile(const ModelReader& model, const Box& core, const Box& model_box,
+                             const OccluderOptions& options, JobMonitor& monitor) {
+  const auto margin = static_cast<float>(options.margin_m), column = static_cast<float>(options.column_m);
+  Box around = core;
+  around.min -= glm::vec3(margin, margin, 0), around.max += glm::vec3(margin, margin, 0);
+  // Beyond the model there is only air: a column or two of it.
+  around.min = glm::max(around.min, model_box.min - 2 * column),
+  around.max = glm::min(around.max, model_box.max + 2 * column);
+  ColumnGrid grid;
+  grid.column_m = options.column_m;
+  grid.low = glm::dvec2(around.min);
+  grid.nx = static_cast<uint32_t>(std::ceil(double(around.size().x) / grid.column_m)) + 1;
+  grid.ny = static_cast<uint32_t>(std::ceil(double(around.size().y) / grid.column_m)) + 1;
+  const ModelTables& tables = model.model().tables;
+  ColumnBuilder builder(grid);
+  for (uint32_t i = 0; i < tables.nodes.size(); ++i) {
+    if (tables.nodes[i].child_count != 0 || !tables.nodes[i].box.overlaps(around)) continue;
+    if (monitor.cancelled()) return Error{"interrupted"};
+    const Result<Mesh> mesh = model.read_mesh(NodeId{i});
+    if (!mesh) return mesh.error();
+    builder.add(*mesh, tables.materials);
+  }
+  const SolidColumns solid = builder.finish();
+  return TileWork(grid, solid, core, options).run();
+}
+
+void append(OccluderSet& all, const OccluderSet& tile) {
+  const auto loops = static_cast<uint32_t>(all.loops.size()), points = static_cast<uint32_t>(all.points.size());
+  for (Occluder occluder : tile.occluders) {
+    occluder.first_loop += loops;
+    for (uint32_t& end : occluder.loops_end) end += loops;
+    all.occluders.push_back(occluder);
+  }
+  for (OccluderLoop loop : tile.loops) {
+    loop.first_point += points;
+    all.loops.push_back(loop);
+  }
+  all.points.insert(all.points.end(), tile.points.begin(), tile.points.end());
+}
+
+void sum_slips(OccluderSet& set, const Box& box, std::span<const std::pair<glm::dvec2, float>> slips) {
+  constexpr double kTile = OccluderSet::kSlipTileM;
+  set.slips_low = glm::dvec2(box.min) - kTile;
+  set.slips_nx = static_cast<uint32_t>(double(box.size().x) / kTile) + 4;
+  set.slips_ny = static_cast<uint32_t>(double(box.size().y) / kTile) + 4;
+  const size_t row = size_t(set.slips_nx) + 1;
+  set.slip_sums.assign(row * (size_t(set.slips_ny) + 1), 0);
+  for (const auto& [at, top_m] : slips) {
+    const glm::dvec2 tile =
+        glm::clamp((at - set.slips_low) / kTile, glm::dvec2(0), glm::dvec2(set.slips_nx - 1, set.slips_ny - 1));
+    ++set.slip_sums[(static_cast<size_t>(tile.y) + 1) * row + static_cast<size_t>(tile.x) + 1];
+    set.slips_top_m = std::max(set.slips_top_m, top_m);
+  }
+  for (size_t y = 1; y <= set.slips_ny; ++y)
+    for (size_t x = 1; x <= set.slips_nx; ++x)
+      set.slip_sums[y * row + x] +=
+          set.slip_sums[(y - 1) * row + x] + set.slip_sums[y * row + x - 1] - set.slip_sums[(y - 1) * row + x - 1];
+}
+
+}  // namespace
+
+bool OccluderSet::may_slip(const Box& rectangle, float lowest_m) const {
+  if (lowest_m > slips_top_m || slips_nx == 0) return false;
+  const glm::dvec2 most(slips_nx - 1, slips_ny - 1);
+  const auto tile = [&](const glm::vec3& p) {
+    return glm::clamp((glm::dvec2(p) - slips_low) / kSlipTileM, glm::dvec2(0), most);
+  };
+  const glm::dvec2 low = tile(rectangle.min - 0.5F), high = tile(rectangle.max + 0.5F);
+  const size_t row = size_t(slips_nx) + 1, x0 = static_cast<size_t>(low.x), y0 = static_cast<size_t>(low.y),
+               x1 = static_cast<size_t>(high.x) + 1, y1 = static_cast<size_t>(high.y) + 1;
+  return slip_sums[y1 * row + x1] + slip_sums[y0 * row + x0] != slip_sums[y0 * row + x1] + slip_sums[y1 * row + x0];
+}
+
+Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOptions& options, JobMonitor& monitor) {
+  const ModelTables& tables = model.model().tables;
+  Box box;
+  for (const NodeId root : tables.roots) box.add(tables.nodes[index_of(root)].box);
+  OccluderSet set;
+  if (box.empty()) return set;
+  const auto tiles_x = static_cast<size_t>(double(box.size().x) / options.tile_m) + 1;
+  const auto tiles_y = static_cast<size_t>(double(box.size().y) / options.tile_m) + 1;
+  const auto side = static_cast<float>(options.tile_m);
+  std::vector<std::optional<Result<TileResult>>> made(tiles_x * tiles_y);
+  std::atomic<size_t> done = 0;
+  tbb::parallel_for(size_t(0), made.size(), [&](size_t i) {
+    Box core = box;
+    core.min.x += side * float(i % tiles_x), core.min.y += side * float(i / tiles_x);
+    core.max.x = core.min.x + side, core.max.y = core.min.y + side;
+    made[i] = work_tile(model, core, box, options, monitor);
+    monitor.progress("occluders", ++done, made.size());
+  });
+  std::vector<std::pair<glm::dvec2, float>> slips;
+  for (std::optional<Result<TileResult>>& tile : made) {
+    if (!tile->ok()) return tile->error();
+    append(set, (*tile)->set);
+    slips.insert(slips.end(), (*tile)->slips.begin(), (*tile)->slips.end());
+    tile.reset();
+  }
+  sum_slips(set, box, slips);
+  return set;
+}
+
+}  // namespace promenade

@@ -1,0 +1,72 @@
+#pragma once
+// Occluders of a model that stands on the ground: solid regions of its plan with the height up to which they are solid,
+// found in the triangles of its leaves (what the source draws), not told by anybody.
+//
+// A region is given as nested loops, each the border of the region eroded by a known distance: from a point that moves
+// by less than that distance (or when what is drawn differs by less), everything behind the loop stays hidden.
+
+#include <array>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "geometry/job_monitor.h"
+#include "layout/model_io.h"
+
+namespace promenade {
+
+struct OccluderOptions {
+  double column_m = 0.125;    ///< finest gap that is seen; coarser: faster, occluders thinner by about as much
+  double tile_m = 128;        ///< the world is worked through in squares of this size ...
+  double margin_m = 24;       ///< ... with this much around them: buildings longer than twice that may fall apart
+  double least_rise_m = 1.5;  ///< lower things hide too little to be kept
+};
+
+/// A polygon such that every point of its sides (and of what lies within) is solid from base to top.
+struct OccluderLoop {
+  float top_m = 0;
+  float base_m = 0;  ///< -infinity: all the way down
+  uint32_t first_point = 0, point_count = 0;
+};
+
+/// What hangs together: a building, or a block of them.
+struct Occluder {
+  Box box;           ///< of all its loops; z from the lowest base (finite) or top to the highest top
+  float base_m = 0;  ///< of all its loops, the highest
+  uint32_t first_loop = 0;
+  std::array<uint32_t, 9>
+      loops_end{};  ///< by erosion, from first_loop on: loops of erosion k lie in [end[k-1], end[k])
+};
+
+struct OccluderSet {
+  /// How far the loops lie within what is solid, metres.
+  static constexpr std::array<float, 9> kErosionsM = {0.005F, 0.05F, 0.125F, 0.25F, 0.5F, 1, 2, 4, 8};
+
+  std::vector<Occluder> occluders;
+  std::vector<OccluderLoop> loops;
+  std::vector<glm::vec2> points;
+
+  std::span<const OccluderLoop> loops_of(const Occluder& occluder, size_t erosion) const {
+    const uint32_t begin = erosion == 0 ? occluder.first_loop : occluder.loops_end[erosion - 1];
+    return {loops.data() + begin, occluder.loops_end[erosion] - begin};
+  }
+  std::span<const glm::vec2> points_of(const OccluderLoop& loop) const {
+    return {points.data() + loop.first_point, loop.point_count};
+  }
+
+  /// Places where a ray may slip under the ground, on a coarse grid: counts from the low corner on (summed areas).
+  glm::dvec2 slips_low{0};
+  uint32_t slips_nx = 0, slips_ny = 0;
+  std::vector<uint32_t> slip_sums;                              ///< (nx + 1) (ny + 1)
+  float slips_top_m = -std::numeric_limits<float>::infinity();  ///< the highest of them
+  static constexpr double kSlipTileM = 2;
+
+  /// Whether a ray that stays within the rectangle and above `lowest_m` may go under the ground.
+  bool may_slip(const Box& rectangle, float lowest_m) const;
+};
+
+/// Reads every leaf, some times over, tile by tile on the threads of the arena; memory in proportion to a tile. The
+/// same result at any number of threads. Errors: reading the model; "interrupted".
+Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOptions& options, JobMonitor& monitor);
+
+}  // namespace promenade

@@ -1,0 +1,171 @@
+#include "layout/cells_io.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "layout/cells_codec.h"
+#include "layout/model_io.h"
+#include "tests/layout/cell_fixtures.h"
+#include "tests/layout/model_fixtures.h"
+#include "tests/layout/temporary_folder.h"
+
+namespace promenade {
+namespace {
+
+using testing::ElementsAre, testing::HasSubstr, testing::IsEmpty;
+
+constexpr CellsOwner kOwner{0x1122334455667788U, 100};
+
+std::vector<NodeId> nodes(const std::vector<uint32_t>& ids) {
+  std::vector<NodeId> result;
+  for (const uint32_t id : ids) result.push_back(NodeId{id});
+  return result;
+}
+
+Result<std::vector<NodeId>> vlod_of_three(CellId cell) {
+  const std::vector<std::vector<uint32_t>> sets = {{}, {3, 4, 5, 6, 50, 51, 90, 99}, {3, 4, 5, 6, 50, 90, 99}};
+  return nodes(sets[index_of(cell)]);
+}
+
+class CellsIo : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(write_cells(path, three_cells(), kOwner, vlod_of_three)); }
+  std::string error_of(std::span<const std::byte> bytes) {
+    const auto changed = folder.path() / "changed.bin";
+    EXPECT_TRUE(write_file(changed, bytes));
+    const Result<CellsReader> reader = CellsReader::open(changed, kOwner);
+    if (!reader) return reader.error().message;
+    for (uint32_t i = 0; i < 3; ++i)
+      if (const Result<Vlod> vlod = reader->read_vlod(CellId{i}); !vlod) return vlod.error().message;
+    return "";
+  }
+
+  TemporaryFolder folder;
+  std::filesystem::path path = folder.path() / "cells.bin";
+};
+
+TEST_F(CellsIo, come_back) {
+  const Result<CellsReader> reader = CellsReader::open(path, kOwner);
+  ASSERT_TRUE(reader) << reader.error().message;
+  const CellTables due = three_cells();
+  EXPECT_EQ(reader->tables().bound, due.bound);
+  EXPECT_EQ(reader->tables().box, due.box);
+  EXPECT_EQ(reader->tables().tree, due.tree);
+  EXPECT_EQ(reader->tables().cells, due.cells);
+  EXPECT_EQ(reader->tables().faces, due.faces);
+  EXPECT_EQ(reader->tables().faces_of_cells, due.faces_of_cells);
+  EXPECT_EQ(reader->tables().portals, due.portals);
+  for (uint32_t i = 0; i < 3; ++i) {
+    const Result<Vlod> vlod = reader->read_vlod(CellId{i});
+    ASSERT_TRUE(vlod) << vlod.error().message;
+    EXPECT_EQ(vlod->nodes, *vlod_of_three(CellId{i}));
+  }
+}
+
+TEST_F(CellsIo, neighbours_are_told_by_their_difference) {
+  const Result<CellsReader> reader = CellsReader::open(path, kOwner);
+  ASSERT_TRUE(reader);
+  EXPECT_EQ(reader->vlods()[1].base, kNoCell);
+  EXPECT_EQ(reader->vlods()[2].base, CellId{1});
+  EXPECT_EQ(reader->vlods()[2].stored_bytes, 2U) << "one id";
+  EXPECT_EQ(reader->vlods()[0].base, kNoCell) << "nothing is shorter than any difference";
+  EXPECT_EQ(reader->read_vlod(CellId{2})->bytes_read, 2U + reader->vlods()[1].stored_bytes);
+}
+
+TEST_F(CellsIo, every_truncation_is_an_error) {
+  const auto whole = *read_file(path);
+  for (size_t size = 0; size < whole.size(); ++size)
+    EXPECT_NE(error_of(std::span(whole).first(size)), "") << size << " bytes";
+}
+
+TEST_F(CellsIo, every_changed_byte_is_an_error) {
+  auto whole = *read_file(path);
+  for (size_t i = 0; i < whole.size(); ++i) {
+    whole[i] ^= std::byte{0x10};
+    const std::string error = error_of(whole);
+    // Zeros that fill up to a multiple of 8 mean nothing.
+    if (error.empty()) {
+      EXPECT_EQ(whole[i], std::byte{0x10}) << "byte " << i;
+    }
+    whole[i] ^= std::byte{0x10};
+  }
+}
+
+TEST_F(CellsIo, trailing_byte_is_an_error) {
+  auto whole = *read_file(path);
+  whole.push_back(std::byte{0});
+  EXPECT_THAT(error_of(whole), HasSubstr("1 bytes follow the last section"));
+}
+
+TEST_F(CellsIo, another_version_and_other_files_are_told) {
+  auto whole = *read_file(path);
+  whole[8] = std::byte{9};
+  EXPECT_THAT(error_of(whole), HasSubstr("version 9"));
+  whole[0] = std::byte{'X'};
+  EXPECT_THAT(error_of(whole), HasSubstr("no cells of a model"));
+}
+
+TEST_F(CellsIo, cells_of_another_build_are_told) {
+  const Result<CellsReader> reader = CellsReader::open(path, {kOwner.tables_checksum + 1, kOwner.nodes});
+  ASSERT_FALSE(reader);
+  EXPECT_THAT(reader.error().message, HasSubstr("not of one build"));
+}
+
+TEST_F(CellsIo, unsound_cells_with_sound_checksums_are_told) {
+  const auto decoded = [](const std::function<void(CellsFile&)>& change) {
+    CellsFile file{
+        kOwner, three_cells(), {{280, 1, 1, kNoCell, 0}, {280, 1, 1, kNoCell, 0}, {280, 1, 1, CellId{0}, 0}}};
+    change(file);
+    const EncodedCells encoded = encode_cells(file, 288);
+    const auto result = decode_cells(encoded.header, encoded.sections, 288 + encoded.sections.size());
+    return result ? "" : result.error().message;
+  };
+  EXPECT_THAT(decoded([](CellsFile&) {}), IsEmpty());
+  EXPECT_THAT(decoded([](CellsFile& f) { f.tables.tree[2].below = 0; }), HasSubstr("tree node 2"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods.pop_back(); }), HasSubstr("3 cells with 2 vLODs"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods[0].offset = 279; }), HasSubstr("vLOD 0"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods[0].stored_bytes = 9; }), HasSubstr("vLOD 0"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods[1].nodes = 101; }), HasSubstr("vLOD 1: 101 of 100 nodes"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods[1].base = CellId{3}; }), HasSubstr("vLOD 1: its base 3"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods[1].base = CellId{2}; }), HasSubstr("vLOD 1: its base 2"))
+      << "no chains, no circles";
+}
+
+TEST_F(CellsIo, sets_that_do_not_ascend_are_refused) {
+  const auto twice = [](CellId) -> Result<std::vector<NodeId>> { return nodes({4, 4}); };
+  EXPECT_FALSE(write_cells(folder.path() / "other.bin", three_cells(), kOwner, twice));
+  const auto beyond = [](CellId) -> Result<std::vector<NodeId>> { return nodes({100}); };
+  EXPECT_FALSE(write_cells(folder.path() / "other.bin", three_cells(), kOwner, beyond));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "other.bin"));
+}
+
+TEST(ModelWithCells, opens_with_them_and_only_with_its_own) {
+  const TemporaryFolder folder;
+  const auto model = folder.path() / "squares.prom";
+  Result<ModelWriter> writer = ModelWriter::create(model);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(append_squares(*writer));
+  ASSERT_TRUE(writer->stage(root_and_two_leaves(), manifest_of_squares()));
+  EXPECT_TRUE(ModelReader::open(writer->staged_folder())) << "a whole model, if not under its name";
+  const auto vlod_of = [](CellId) -> Result<std::vector<NodeId>> { return nodes({1, 2}); };
+  ASSERT_TRUE(writer->add_cells(three_cells(), vlod_of));
+  ASSERT_TRUE(writer->publish());
+  const Result<ModelReader> reader = ModelReader::open(model);
+  ASSERT_TRUE(reader) << reader.error().message;
+  ASSERT_NE(reader->cells(), nullptr);
+  EXPECT_EQ(reader->cells()->tables().cells.size(), 3U);
+  EXPECT_THAT(reader->cells()->read_vlod(CellId{1})->nodes, ElementsAre(NodeId{1}, NodeId{2}));
+  JobMonitor monitor;
+  EXPECT_TRUE(verify_checksums(*reader, monitor));
+
+  const auto other = folder.path() / "other.prom";
+  ASSERT_TRUE(write_squares(other));
+  EXPECT_EQ(ModelReader::open(other)->cells(), nullptr);
+  std::filesystem::remove(model / "cells.bin");
+  const Result<ModelReader> without = ModelReader::open(model);
+  ASSERT_FALSE(without);
+  EXPECT_THAT(without.error().message, HasSubstr("cells.bin"));
+}
+
+}  // namespace
+}  // namespace promenade
