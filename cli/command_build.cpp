@@ -4,6 +4,7 @@
 
 #include "cli/command.h"
 #include "cli/console.h"
+#include "layout/file_io.h"
 #include "preprocess/build.h"
 #include "preprocess/visibility/hider_chain.h"
 
@@ -43,6 +44,8 @@ Status run_build(const BuildOptions& options, JobMonitor& monitor, Json& figures
              {"units_total", made->units_total},
              {"units_resumed", made->units_resumed},
              {"cells", made->visibility.cells},
+             {"cells_style", name_of(made->visibility.style)},
+             {"roofed_share", made->visibility.roofed_share},
              {"vlod_nodes_mean", made->visibility.vlod_nodes_mean},
              {"vlod_triangles_mean", made->visibility.vlod_triangles_mean},
              {"front_nodes_mean", made->visibility.front_nodes_mean},
@@ -67,13 +70,47 @@ Result<GeometryCodec> parse_codec(const std::string& text) {
 
 Result<CellStyle> parse_cells(const std::string& text) {
   if (const std::optional<CellStyle> style = cell_style_named(text)) return *style;
-  return Error{fmt::format("\"{}\" is no division of viewing space: auto, octree or none", text)};
+  return Error{fmt::format("\"{}\" is no division of viewing space: auto, octree, kd or none", text)};
 }
 
 Result<ErrorAt> parse_error_at(const std::string& text) {
   if (text == "center") return ErrorAt::center;
   if (text == "corner") return ErrorAt::corner;
   return Error{fmt::format("\"{}\" is no place in a picture: center or corner", text)};
+}
+
+constexpr uint64_t kLargestBoxes = uint64_t(64) << 20;
+
+Result<glm::dvec3> corner_of(const Json& box, const char* name) {
+  const auto found = box.is_object() ? box.find(name) : box.end();
+  if (!box.is_object() || found == box.end() || !found->is_array() || found->size() != 3)
+    return Error{fmt::format("\"{}\" is not three numbers", name)};
+  glm::dvec3 corner(0);
+  for (size_t i = 0; i < 3; ++i) {
+    if (!(*found)[i].is_number()) return Error{fmt::format("\"{}\" is not three numbers", name)};
+    corner[static_cast<int>(i)] = (*found)[i].get<double>();
+  }
+  return corner;
+}
+
+/// Boxes in the world, metres, from their file.
+Result<std::vector<DBox>> read_boxes(const std::filesystem::path& file) {
+  const Result<std::string> text = read_text_file(file, kLargestBoxes);
+  if (!text) return text.error();
+  const Json json = Json::parse(*text, nullptr, false);
+  const auto list = json.is_object() ? json.find("boxes") : json.end();
+  if (json.is_discarded() || !json.is_object() || list == json.end() || !list->is_array() || list->empty())
+    return Error{fmt::format("{}: no \"boxes\" in it", file.string())};
+  std::vector<DBox> boxes;
+  for (const Json& entry : *list) {
+    const Result<glm::dvec3> min = corner_of(entry, "min"), max = corner_of(entry, "max");
+    if (!min || !max)
+      return Error{fmt::format("{}: box {}: {}", file.string(), boxes.size(), (!min ? min : max).error().message)};
+    boxes.push_back({*min, *max});
+    if (boxes.back().empty())
+      return Error{fmt::format("{}: box {}: min is above max", file.string(), boxes.size() - 1)};
+  }
+  return boxes;
 }
 
 /// What can be seen from where.
@@ -91,7 +128,8 @@ void add_cell_options(CLI::App& app, VisibilityOptions& o) {
           },
           fmt::format("What proves that nodes are hidden, in order: none or some of {}", hider_names()))
       ->default_str(fmt::format("{}", fmt::join(default_hiders(), ",")));
-  add_parsed<CellStyle>(*group, "--cells", o.cells, parse_cells, "How viewing space is divided: auto, octree or none")
+  add_parsed<CellStyle>(*group, "--cells", o.cells, parse_cells,
+                        "How viewing space is divided: octree, kd (along walls), none, or auto: what suits")
       ->default_str("auto");
   group->add_option("--pixel-error", o.pixel_error, "Projected error that is allowed from anywhere in a cell, pixels")
       ->check(CLI::PositiveNumber)
@@ -114,16 +152,31 @@ void add_cell_options(CLI::App& app, VisibilityOptions& o) {
       ->default_str("center");
   group->add_option("--cell-triangles", o.cell_triangles, "Most triangles seen from a cell that is not divided further")
       ->capture_default_str();
+  group
+      ->add_option("--cell-gain", o.cell_gain,
+                   "A cell is divided when it sees more than this many times what its smallest parts see")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
   group->add_option("--smallest-cell", o.smallest_cell_m, "No cell is divided into parts shorter than this, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  group->add_option("--max-cells", o.max_cells, "Most cells, about (0: eight a node, 256 to 16384)")
+  group->add_option("--max-cells", o.max_cells, "Most cells, about (0: one a node, 256 to 4096)")
       ->capture_default_str();
   group
       ->add_option_function<double>(
           "--walk-height", [&o](double height_m) { o.walk_height_m = height_m; },
           "Cells only this high above what one may stand on, m (default: up to the sky)")
       ->check(CLI::PositiveNumber);
+  group
+      ->add_option_function<std::string>(
+          "--cells-in",
+          [&o](const std::string& file) {
+            Result<std::vector<DBox>> boxes = read_boxes(file);
+            if (!boxes) throw CLI::ValidationError("--cells-in", boxes.error().message);
+            o.inside = std::move(*boxes);
+          },
+          "Cells only in the boxes of FILE: {\"boxes\": [{\"min\": [x,y,z], \"max\": [x,y,z]}, ...]}, m")
+      ->type_name("FILE");
 }
 
 Result<UpAxis> parse_up(const std::string& text) {

@@ -1,26 +1,217 @@
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <atomic>
 #include <memory>
+#include <optional>
+#include <random>
 
 #include "cli/command.h"
+#include "cli/node_picture.h"
 #include "layout/model_io.h"
+#include "preprocess/visibility/audit.h"
+#include "preprocess/visibility/hider_chain.h"
+#include "preprocess/visibility/study_cells.h"
 
 namespace promenade {
+namespace {
+
+struct VerifyArguments {
+  std::filesystem::path model, picture;
+  uint32_t cells = 20;
+  std::string hiders;
+  double pixel_error = 1;
+  LookOptions looks;
+};
+
+/// A cell with what is drawn from it and what is left out.
+struct CheckedCell {
+  Box cell;
+  std::vector<NodeId> front;
+  std::vector<uint8_t> hidden;
+  Looks looks;
+  CellVerdict verdict;
+};
+
+/// Where the answers come from: the model's own cells, or a chain of hiders asked now.
+class Answers {
+ public:
+  Answers(const VerifyArguments& arguments, const ModelReader& reader, const NodeMeshes& meshes)
+      : arguments_(arguments),
+        reader_(reader),
+        meshes_(meshes),
+        bound_{arguments.pixel_error, pixel_scale(1280, 720, 60)} {}
+
+  Status prepare(JobMonitor& monitor) {
+    const CellsReader* stored = reader_.cells();
+    if (!arguments_.hiders.empty()) {
+      const Result<std::vector<std::string>> names = parse_hiders(arguments_.hiders);
+      if (!names) return names.error();
+      Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*names, reader_, HiderBuildOptions(), monitor);
+      if (!hiders) return hiders.error();
+      hiders_ = std::move(*hiders);
+    }
+    if (stored != nullptr) {
+      bound_ = stored->tables().bound;
+      pick_stored(stored->tables().cells.size());
+      return Done{};
+    }
+    StudyCellOptions options;
+    options.seed = arguments_.looks.seed, options.cells = (arguments_.cells + 1) / 2;
+    for (const StudyPlace place : {StudyPlace::street, StudyPlace::roof}) {
+      options.place = place;
+      const Result<std::vector<Box>> made = study_cells(meshes_, options);
+      if (!made) return made.error();
+      boxes_.insert(boxes_.end(), made->begin(), made->end());
+      options.cells = arguments_.cells / 2, options.side_m = 16;
+    }
+    return Done{};
+  }
+
+  size_t count() const { return boxes_.size(); }
+
+  Result<CheckedCell> check(size_t i) const {
+    const Model& model = reader_.model();
+    CheckedCell cell{boxes_[i], cell_front(model, boxes_[i], bound_), {}, {}, {}};
+    cell.hidden.assign(cell.front.size(), 0);
+    if (arguments_.hiders.empty()) {
+      const Result<Vlod> vlod = reader_.cells()->read_vlod(ids_[i]);
+      if (!vlod) return vlod.error();
+      for (size_t k = 0; k < cell.front.size(); ++k)
+        cell.hidden[k] = std::binary_search(vlod->nodes.begin(), vlod->nodes.end(), cell.front[k]) ? 0 : 1;
+    }
+    for (const std::unique_ptr<Hider>& hider : hiders_)
+      PROMENADE_TRY(hider->hide({cell.cell, cell.front}, cell.hidden));
+    Result<Looks> looks = look_from_cell(meshes_, cell.cell, cell.front, cell.hidden, arguments_.looks);
+    if (!looks) return looks.error();
+    cell.looks = std::move(*looks);
+    cell.verdict = judge(model, cell.front, cell.hidden, cell.looks);
+    return cell;
+  }
+
+ private:
+  void pick_stored(size_t available) {
+    std::mt19937_64 random(arguments_.looks.seed);
+    const size_t count = std::min<size_t>(arguments_.cells, available);
+    for (size_t i = 0; i < count; ++i) {
+      ids_.push_back(CellId{static_cast<uint32_t>(random() % available)});
+      boxes_.push_back(reader_.cells()->tables().cells[index_of(ids_.back())].box);
+    }
+  }
+
+  const VerifyArguments& arguments_;
+  const ModelReader& reader_;
+  const NodeMeshes& meshes_;
+  FrontBound bound_;
+  std::vector<std::unique_ptr<Hider>> hiders_;
+  std::vector<CellId> ids_;  ///< of stored cells, else empty
+  std::vector<Box> boxes_;
+};
+
+struct Totals {
+  uint64_t cells = 0, solid_cells = 0, pixels = 0, false_nodes = 0, false_pixels = 0, ratios = 0;
+  double ratio_sum = 0;
+
+  void add(const CheckedCell& cell) {
+    if (cell.looks.eyes == 0) {
+      ++solid_cells;
+      return;
+    }
+    ++cells;
+    pixels += cell.looks.pixels;
+    false_nodes += cell.verdict.false_hidden_nodes, false_pixels += cell.verdict.false_hidden_pixels;
+    if (cell.verdict.seen_triangles == 0) return;
+    ++ratios;
+    ratio_sum += double(cell.verdict.kept_triangles) / double(cell.verdict.seen_triangles);
+  }
+};
+
+/// What is left out although it is seen, in red; the rest as it is.
+Status draw_worst(const NodeMeshes& meshes, const CheckedCell& cell, const std::filesystem::path& path) {
+  const auto color_of = [&](size_t i) {
+    return cell.hidden[i] != 0 ? glm::u8vec3(255, 0, 0) : glm::u8vec3(190, 195, 200);
+  };
+  return write_node_picture(meshes, cell.front, cell.looks.worst, color_of, Box(), path);
+}
+
+Status check_cells(const VerifyArguments& arguments, const ModelReader& reader, JobMonitor& monitor, Json& figures) {
+  Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(reader, uint64_t(1) << 30);
+  if (!meshes) return meshes.error();
+  Answers answers(arguments, reader, **meshes);
+  PROMENADE_TRY(answers.prepare(monitor));
+  std::vector<std::optional<Result<CheckedCell>>> checked(answers.count());
+  std::atomic<size_t> done = 0;
+  tbb::parallel_for(size_t(0), checked.size(), [&](size_t i) {
+    if (monitor.cancelled()) return;
+    checked[i] = answers.check(i);
+    monitor.progress("look around in cells", ++done, checked.size());
+  });
+  if (monitor.cancelled()) return Error{"interrupted"};
+  Totals totals;
+  const CheckedCell* worst = nullptr;
+  for (const std::optional<Result<CheckedCell>>& cell : checked) {
+    if (!cell->ok()) return cell->error();
+    totals.add(**cell);
+    if (worst == nullptr || (*cell)->looks.worst_pixels > worst->looks.worst_pixels) worst = &**cell;
+  }
+  const double ratio = totals.ratios == 0 ? 0 : totals.ratio_sum / double(totals.ratios);
+  figures["cells_checked"] = totals.cells;
+  figures["cells_solid"] = totals.solid_cells;
+  figures["rays_or_pixels_checked"] = totals.pixels;
+  figures["false_hidden_nodes"] = totals.false_nodes;
+  figures["false_hidden_pixels"] = totals.false_pixels;
+  figures["overestimate_ratio_mean"] = ratio;
+  fmt::print("{} cells ({} more are solid), {} pixels: {} hidden nodes seen, at {} pixels; overestimate {:.3f}\n",
+             totals.cells, totals.solid_cells, totals.pixels, totals.false_nodes, totals.false_pixels, ratio);
+  if (!arguments.picture.empty() && worst != nullptr && worst->looks.worst_pixels > 0)
+    PROMENADE_TRY(draw_worst(**meshes, *worst, arguments.picture));
+  if (totals.false_nodes > 0)
+    return Error{fmt::format("{}: {} hidden nodes can be seen ({} pixels)", arguments.model.string(),
+                             totals.false_nodes, totals.false_pixels)};
+  return Done{};
+}
+
+Status run_verify(const VerifyArguments& arguments, JobMonitor& monitor, Json& figures) {
+  const Result<ModelReader> reader = ModelReader::open(arguments.model);
+  if (!reader) return reader.error();
+  PROMENADE_TRY(verify_checksums(*reader, monitor));
+  const size_t segments = reader->model().tables.segments.size();
+  figures = {{"checksums_ok", true}, {"segments_checked", segments}};
+  fmt::print("{}: sound, {} segments checked\n", arguments.model.string(), segments);
+  if (arguments.cells == 0 || (reader->cells() == nullptr && arguments.hiders.empty())) return Done{};
+  return check_cells(arguments, *reader, monitor, figures);
+}
+
+}  // namespace
 
 Command add_verify(CLI::App& program) {
-  auto path = std::make_shared<std::filesystem::path>();
-  CLI::App* app =
-      program.add_subcommand("verify", "Check a model's integrity: its tables, and every segment against its checksum");
-  app->add_option("MODEL", *path, "A directory that build made")->required();
-  return {app, {}, [path](JobMonitor& monitor, Json& figures) -> Status {
-            const Result<ModelReader> reader = ModelReader::open(*path);
-            if (!reader) return reader.error();
-            PROMENADE_TRY(verify_checksums(*reader, monitor));
-            const size_t segments = reader->model().tables.segments.size();
-            figures = {{"checksums_ok", true}, {"segments_checked", segments}};
-            fmt::print("{}: sound, {} segments checked\n", path->string(), segments);
-            return Done{};
-          }};
+  auto arguments = std::make_shared<VerifyArguments>();
+  arguments->looks.around = false, arguments->looks.picture_px = 512, arguments->looks.views = 50;
+  CLI::App* app = program.add_subcommand(
+      "verify", "Check a model: every byte against its checksum, and that nothing is hidden that can be seen");
+  app->add_option("MODEL", arguments->model, "A directory that build made")->required();
+  app->add_option("--cells", arguments->cells, "Random view cells to look around in (0: none)")->capture_default_str();
+  app->add_option("--views", arguments->looks.views, "Random pictures from each cell, half of them from its boundary")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--view-size", arguments->looks.picture_px, "Side of such a picture, pixels")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  app->add_option("--hiders", arguments->hiders,
+                  fmt::format("Check what this chain hides instead of what the model stores; of: {}. A model without "
+                              "cells is checked in random places",
+                              hider_names()))
+      ->type_name("LIST");
+  app->add_option("--pixel-error", arguments->pixel_error,
+                  "For a model without cells: bound of the fronts, pixels at 1280 x 720, 60 degrees")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--picture", arguments->picture, "The view with most misses, hidden nodes in red, if any: a .png")
+      ->type_name("FILE");
+  app->add_option("--seed", arguments->looks.seed, "Other cells, other views")->capture_default_str();
+  return {
+      app, {}, [arguments](JobMonitor& monitor, Json& figures) { return run_verify(*arguments, monitor, figures); }};
 }
 
 }  // namespace promenade

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <memory>
 
 #include "cli/console.h"
+#include "cli/node_picture.h"
 #include "layout/cell_front.h"
 #include "layout/model_io.h"
 #include "preprocess/visibility/audit.h"
@@ -22,6 +24,7 @@ struct StudyArguments {
   std::string place = "street";
   LookOptions looks;
   double pixel_error = 1;
+  std::filesystem::path picture;
 };
 
 /// A chain with its sums over the cells.
@@ -87,9 +90,16 @@ class CellStudy {
     reference_ms += reference_clock.seconds() * 1e3;
     for (ChainRow& row : rows_) {
       std::vector<uint8_t> hidden(front.size(), 0);
-      const WallClock clock;
-      for (const auto& hider : row.hiders) PROMENADE_TRY(hider->hide({cell, front}, hidden));
-      row.ms += clock.seconds() * 1e3;
+      std::vector<uint8_t> hidden_by(front.size(), 0);  // 1 + the hider's place in the chain
+      for (size_t h = 0; h < row.hiders.size(); ++h) {
+        const WallClock clock;
+        PROMENADE_TRY(row.hiders[h]->hide({cell, front}, hidden));
+        row.ms += clock.seconds() * 1e3;
+        for (size_t i = 0; i < front.size(); ++i)
+          if (hidden[i] != 0 && hidden_by[i] == 0) hidden_by[i] = static_cast<uint8_t>(h + 1);
+      }
+      if (cells == 1 && &row == &rows_.back() && !arguments_.picture.empty())
+        PROMENADE_TRY(draw_plan(cell, front, hidden_by, *looks));
       const CellVerdict verdict = judge(model, front, hidden, *looks);
       row.ratio_sum += double(verdict.kept_triangles) / double(std::max<uint64_t>(verdict.seen_triangles, 1));
       row.hidden_share_sum +=
@@ -100,6 +110,21 @@ class CellStudy {
       if (&row == &rows_.front()) front_nodes += verdict.front_nodes, seen_nodes += verdict.seen_nodes;
     }
     return Done{};
+  }
+
+  /// From above: seen green, kept though not seen orange, hidden grey (by the chain's first hider) and shades of blue.
+  Status draw_plan(const Box& cell, std::span<const NodeId> front, std::span<const uint8_t> hidden_by,
+                   const Looks& looks) const {
+    const std::array<glm::u8vec3, 4> hiders = {
+        glm::u8vec3(170, 170, 170), {130, 160, 230}, {90, 110, 200}, {150, 90, 200}};
+    const auto color_of = [&](size_t i) {
+      if (looks.pixels_of[i] > 0) return hidden_by[i] == 0 ? glm::u8vec3(80, 190, 90) : glm::u8vec3(255, 0, 0);
+      return hidden_by[i] == 0 ? glm::u8vec3(250, 160, 40) : hiders[std::min<size_t>(hidden_by[i] - 1U, 3)];
+    };
+    const Model& model = meshes_.model().model();
+    Box box;
+    for (const NodeId root : model.tables.roots) box.add(model.tables.nodes[index_of(root)].box);
+    return write_node_picture(meshes_, front, plan_view(box, 1200), color_of, cell, arguments_.picture);
   }
 
   uint64_t cells = 0, eyes = 0, pixels = 0, front_nodes = 0, seen_nodes = 0;
@@ -204,6 +229,10 @@ Command add_study_hiders(CLI::App& study) {
                   "Bound of the cells' fronts, pixels at 1280 x 720, 60 degrees")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app->add_option("--picture", arguments->picture,
+                  "Plan of the first cell with the last chain, a .png: seen green, kept though not seen orange, hidden "
+                  "grey (by the chain's first hider) and blue (by later ones), misses red")
+      ->type_name("FILE");
   app->add_option("--seed", arguments->cells.seed, "Other cells, other views")->capture_default_str();
   return {app, {}, [arguments](JobMonitor& monitor, Json& figures) {
             arguments->looks.seed = arguments->cells.seed;

@@ -72,6 +72,8 @@ struct AzimuthHorizon::Walk {
   uint32_t bin = 0;
   double nearest_m = 0, farthest_m = 0;
   uint32_t events = 0;  ///< boundaries crossed and turns made
+  glm::dvec2 last{0};   ///< the end of the last side, and its place around the eye
+  double last_turn = 0;
 
   void restart() { entered = false, ++events; }
 
@@ -84,7 +86,8 @@ struct AzimuthHorizon::Walk {
     if (length <= 0) return;
     if (off_m < kLeastM) return restart();  // seen edge-on
     const bool ccw = turning > 0;
-    const double turn_a = turn_of(a) * kBinsATurn, turn_b = turn_of(b) * kBinsATurn;
+    const double turn_a = a == last ? last_turn : turn_of(a) * kBinsATurn, turn_b = turn_of(b) * kBinsATurn;
+    last = b, last_turn = turn_b;
     const auto bin_a = static_cast<uint32_t>(turn_a) & kBinMask, bin_b = static_cast<uint32_t>(turn_b) & kBinMask;
     if (events == 0 || ccw != counter_clockwise || bin != bin_a) {
       restart();
@@ -92,6 +95,11 @@ struct AzimuthHorizon::Walk {
     }
     uint32_t steps = ccw ? (bin_b - bin_a) & kBinMask : (bin_a - bin_b) & kBinMask;
     if (steps > kBins / 2 + 1) return restart();  // rounding put an end beyond a boundary: not a real sweep
+    if (steps > 0 && !horizon.wanted(ccw ? bin : bin_b, steps + 1)) {
+      restart();
+      bin = bin_b;
+      return;
+    }
     const double foot = -glm::dot(a, along) / (length * length);  // where the eye is nearest to the line
     double t = 0, r = glm::length(a);
     const auto advance = [&](double to, double r_to) {

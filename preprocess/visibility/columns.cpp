@@ -68,6 +68,7 @@ struct Run {
 struct Contact {
   size_t run;
   uint32_t column;
+  uint8_t way = 0;  ///< that led here: 0 to 3, towards +x, -x, +y, -y
 };
 
 class Flood {
@@ -92,7 +93,7 @@ class Flood {
   void spread();
   void flood_pockets();
   std::vector<Contact> pocket_around(size_t run, uint32_t column);
-  /// Calls visit(run, column) for every run of the four neighbours that shares heights with a run.
+  /// Calls visit(contact) for every run of the four neighbours that shares heights with a run.
   template <class Visit>
   void neighbours(size_t run, uint32_t column, const Visit& visit) const;
   bool is_bottom(size_t run, uint32_t column) const { return run == first_[column]; }
@@ -118,15 +119,15 @@ template <class Visit>
 void Flood::neighbours(size_t run, uint32_t column, const Visit& visit) const {
   const float floor = runs_[run].floor + ColumnBuilder::kSealedGapM;
   const float ceiling = runs_[run].ceiling - ColumnBuilder::kSealedGapM;
-  const auto look = [&](uint32_t other) {
+  const auto look = [&](uint32_t other, uint8_t way) {
     for (size_t r = first_[other]; r < first_[other + 1] && runs_[r].floor < ceiling; ++r)
-      if (runs_[r].ceiling > floor) visit(r, other);
+      if (runs_[r].ceiling > floor) visit(Contact{r, other, way});
   };
   const uint32_t x = column % grid_.nx, y = column / grid_.nx;
-  if (x > 0) look(column - 1);
-  if (x + 1 < grid_.nx) look(column + 1);
-  if (y > 0) look(column - grid_.nx);
-  if (y + 1 < grid_.ny) look(column + grid_.nx);
+  if (x + 1 < grid_.nx) look(column + 1, 0);
+  if (x > 0) look(column - 1, 1);
+  if (y + 1 < grid_.ny) look(column + grid_.nx, 2);
+  if (y > 0) look(column - grid_.nx, 3);
 }
 
 /// The sky is air; at the border so is everything but what lies under the ground.
@@ -146,12 +147,12 @@ void Flood::spread() {
   while (!open_.empty()) {
     const Contact at = open_.back();
     open_.pop_back();
-    neighbours(at.run, at.column, [&](size_t run, uint32_t column) {
-      if (runs_[run].reached) return;
-      if (leads_under_ground(runs_[at.run], run, column))
-        slips_.push_back({run, column});
+    neighbours(at.run, at.column, [&](const Contact& next) {
+      if (runs_[next.run].reached) return;
+      if (leads_under_ground(runs_[at.run], next.run, next.column))
+        slips_.push_back(next);
       else
-        reach(run, column);
+        reach(next.run, next.column);
     });
   }
 }
@@ -162,10 +163,10 @@ std::vector<Contact> Flood::pocket_around(size_t run, uint32_t column) {
   visited_[run] = 1;
   for (size_t i = 0; i < pocket.size(); ++i) {
     const Contact at = pocket[i];
-    neighbours(at.run, at.column, [&](size_t next, uint32_t of) {
-      if (runs_[next].reached || visited_[next] != 0) return;
-      visited_[next] = 1;
-      pocket.push_back({next, of});
+    neighbours(at.run, at.column, [&](const Contact& next) {
+      if (runs_[next.run].reached || visited_[next.run] != 0) return;
+      visited_[next.run] = 1;
+      pocket.push_back(next);
     });
   }
   return pocket;
@@ -200,7 +201,7 @@ SolidColumns Flood::solid() const {
     solid.top_m[column] = runs_[r].ceiling;
   }
   for (const Contact& slip : slips_)
-    if (!runs_[slip.run].reached) solid.slips.push_back({slip.column, runs_[slip.run].ceiling});
+    if (!runs_[slip.run].reached) solid.slips.push_back({slip.column, runs_[slip.run].ceiling, slip.way});
   return solid;
 }
 

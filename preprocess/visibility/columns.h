@@ -24,11 +24,12 @@ struct ColumnGrid {
 struct SolidColumns {
   std::vector<float> base_m;  ///< solid from here (-infinity: all the way down) ...
   std::vector<float> top_m;   ///< ... up to here; -infinity: nowhere solid
-  /// Where air can slip in below the lowest sheet of the ground, and how high that gap reaches: rays through such a
-  /// place, below that height, may go under the ground.
+  /// Where air can slip in below the lowest sheet of the ground, and how high that gap reaches: only rays that come
+  /// into this column that way, below that height, may go under the ground.
   struct Slip {
     uint32_t column;
     float top_m;
+    uint8_t way;  ///< 0 to 3: towards +x, -x, +y, -y
   };
   std::vector<Slip> slips;
 };

@@ -119,35 +119,56 @@ float distance_to_segment(const glm::vec2& p, const glm::vec2& a, const glm::vec
   return glm::distance(p, a + ab * t);
 }
 
-/// Keeps the points of (first, last] that a line within the tolerance needs. Douglas and Peucker's method.
-void straighten(const Loop& loop, size_t first, size_t last, float tolerance, Loop& kept) {
-  std::vector<std::pair<size_t, size_t>> open = {{first, last}};
-  while (!open.empty()) {
-    const auto [a, b] = open.back();
-    open.pop_back();
-    float worst = tolerance;
-    size_t at = b;
-    for (size_t i = a + 1; i < b; ++i) {
-      const float d = distance_to_segment(loop[i % loop.size()], loop[a % loop.size()], loop[b % loop.size()]);
-      if (d > worst) worst = d, at = i;
-    }
-    if (at == b) {
-      kept.push_back(loop[b % loop.size()]);
-      continue;
-    }
-    open.emplace_back(at, b), open.emplace_back(a, at);
-  }
-}
+/// Replaces runs of a loop by chords that stay as deep.
+class Shortener {
+ public:
+  Shortener(const Mask& mask, std::span<const float> depths, double least_squared, double loss)
+      : mask_(mask), depths_(depths), least_squared_(least_squared), loss_(static_cast<float>(loss)) {}
 
-Loop simplified(const Loop& loop, float tolerance) {
-  size_t far = 0;
-  for (size_t i = 1; i < loop.size(); ++i)
-    if (glm::distance(loop[i], loop[0]) > glm::distance(loop[far], loop[0])) far = i;
-  Loop kept;
-  straighten(loop, 0, far, tolerance, kept);
-  straighten(loop, far, loop.size(), tolerance, kept);
-  return kept;
-}
+  Loop run(const Loop& loop) const {
+    const size_t n = loop.size();
+    Loop kept;
+    for (size_t at = 0; at < n;) {
+      kept.push_back(loop[at]);
+      // The longest chord that doubling finds, then steps in between.
+      size_t reach = 1;
+      while (at + 2 * reach <= n && may_skip(loop, at, at + 2 * reach)) reach *= 2;
+      for (size_t step = reach / 2; step > 0; step /= 2)
+        if (at + reach + step <= n && may_skip(loop, at, at + reach + step)) reach += step;
+      at += reach;
+    }
+    return kept;
+  }
+
+ private:
+  bool may_skip(const Loop& loop, size_t first, size_t last) const {
+    const glm::vec2 a = loop[first], b = loop[last % loop.size()];
+    for (size_t i = first + 1; i < last; ++i)
+      if (distance_to_segment(loop[i], a, b) > loss_) return false;
+    const glm::dvec2 from(a), along = glm::dvec2(b) - from;
+    const auto samples = static_cast<size_t>(std::ceil(glm::length(along) / kStep));
+    for (size_t i = 1; i < samples; ++i)
+      if (squared_bound(from + along * (double(i) / double(samples))) - kStep * kStep / 4 < least_squared_)
+        return false;
+    return true;
+  }
+  /// A lower bound of D^2.
+  double squared_bound(const glm::dvec2& p) const {
+    const glm::dvec2 q = glm::clamp(p - 0.5, glm::dvec2(0), glm::dvec2(mask_.nx - 2, mask_.ny - 2) + 0.999);
+    const auto x = static_cast<size_t>(q.x), y = static_cast<size_t>(q.y);
+    const double s = q.x - double(x), t = q.y - double(y);
+    const float* low = depths_.data() + y * mask_.nx + x;
+    const float* high = low + mask_.nx;
+    return (1 - t) * ((1 - s) * double(low[0]) + s * double(low[1])) +
+           t * ((1 - s) * double(high[0]) + s * double(high[1])) - s * (1 - s) - t * (1 - t);
+  }
+
+  static constexpr double kStep = 0.5;  // cells between samples of a chord
+  const Mask& mask_;
+  std::span<const float> depths_;
+  double least_squared_;
+  float loss_;
+};
 
 }  // namespace
 
@@ -162,17 +183,19 @@ std::vector<float> squared_depths(const Mask& mask) {
 }
 
 // Let D(p) be the distance from p to the nearest middle of a cell outside. D^2 - |p|^2 is a minimum of linear
-// functions, so concave: between two points of a line at most s apart with D^2 >= V, D^2 >= V - s^2 / 4. The traced
-// line's corners are found by interpolating D^2 along the grid's edges (s = 1), its segments cross a square (s^2 <= 2):
-// D^2 >= V - 3/4. Points of a cell are within sqrt(1/2) of its middle.
+// functions, so concave: where weights w average points q to p, D^2(p) >= sum w D^2(q) - (sum w |q|^2 - |p|^2). Between
+// two points of a line s apart the last term is at most s^2 / 4; for bilinear weights at (s, t) of a square it is s (1
+// - s) + t (1 - t). The traced line's corners are found by interpolating D^2 along the grid's edges, its segments cross
+// a square (s^2 <= 2): D^2 >= V - 1/4 - 2/4. Points of a cell are within sqrt(1/2) of its middle.
 std::vector<Loop> loops_at_depth(const Mask& mask, std::span<const float> depths, double depth_cells,
-                                 double simplify_cells) {
+                                 double loss_cells) {
   constexpr double kRounding = 1e-3;
-  const double deep = depth_cells + simplify_cells + std::sqrt(0.5) + kRounding;
-  std::vector<Loop> loops = Tracer(mask, depths, static_cast<float>(deep * deep + 0.75)).run();
+  const double deep = depth_cells + std::sqrt(0.5) + kRounding;
+  const std::vector<Loop> loops = Tracer(mask, depths, static_cast<float>(deep * deep + 0.75)).run();
+  const Shortener shortener(mask, depths, deep * deep, loss_cells);
   std::vector<Loop> straight;
   for (const Loop& loop : loops) {
-    Loop simple = simplified(loop, static_cast<float>(simplify_cells));
+    Loop simple = shortener.run(loop);
     if (simple.size() >= 3) straight.push_back(std::move(simple));
   }
   return straight;

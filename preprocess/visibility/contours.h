@@ -21,10 +21,9 @@ std::vector<float> squared_depths(const Mask& mask);
 /// A closed polygon in units of cells, (0.5, 0.5) the middle of the first cell.
 using Loop = std::vector<glm::vec2>;
 
-/// Loops whose every point (corners and edges alike) lies at least depth_cells from every point of every cell outside
-/// the mask. simplify_cells: how much deeper the line runs at first, so that it may then be straightened so much.
-/// depths: squared_depths(mask).
+/// Loops whose every point (corners and sides alike) lies at least depth_cells from every point of every cell outside
+/// the mask. They have few corners: what sticks out by less than loss_cells is cut off. depths: squared_depths(mask).
 std::vector<Loop> loops_at_depth(const Mask& mask, std::span<const float> depths, double depth_cells,
-                                 double simplify_cells);
+                                 double loss_cells);
 
 }  // namespace promenade

@@ -3,84 +3,142 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <mutex>
-#include <numeric>
 #include <optional>
+#include <queue>
 
 namespace promenade {
 namespace {
 
-constexpr float kSmallestHalf = 24;  // triangles: fewer are not worth a box
+constexpr size_t kMostPieces = 8192;  // bounds the work that one mesh of huge triangles makes
+constexpr float kSmallTriangleM = 4;  // longer ones are cut up first: a slanted wall's box is mostly empty
+constexpr float kSmallPartM = 1.5F;   // a part of this size is not worth halving
+constexpr size_t kFewPieces = 8;
 
-struct Triangle {
+/// A triangle or a piece of one.
+struct Piece {
+  std::array<glm::vec3, 3> corners;
   glm::vec3 center, normal;  ///< normal: unit, or 0 for a triangle without area
-  uint32_t index;
-  bool any_side;  ///< two-sided
+  bool any_side;             ///< two-sided
 };
 
-NodePart part_of(const Mesh& mesh, std::span<const Triangle> triangles) {
-  NodePart part;
+struct Group {
+  size_t first = 0, count = 0;
+  Box box;
+  float size() const { return box.diagonal(); }
+};
+
+/// Halves a piece across its longest side until it is small.
+void cut_up(const Piece& piece, float longest_m, std::vector<Piece>& pieces) {
+  std::vector<Piece> open = {piece};
+  while (!open.empty()) {
+    Piece p = open.back();
+    open.pop_back();
+    size_t side = 0;
+    for (size_t k = 1; k < 3; ++k)
+      if (glm::distance(p.corners[k], p.corners[(k + 1) % 3]) >
+          glm::distance(p.corners[side], p.corners[(side + 1) % 3]))
+        side = k;
+    const glm::vec3 a = p.corners[side], b = p.corners[(side + 1) % 3], c = p.corners[(side + 2) % 3];
+    if (glm::distance(a, b) <= longest_m || pieces.size() + open.size() > kMostPieces) {
+      p.center = (a + b + c) / 3.0F;
+      pieces.push_back(p);
+      continue;
+    }
+    const glm::vec3 middle = (a + b) * 0.5F;  // both halves have the very same corner
+    p.corners = {a, middle, c};
+    open.push_back(p);
+    p.corners = {middle, b, c};
+    open.push_back(p);
+  }
+}
+
+std::vector<Piece> pieces_of(const Mesh& mesh, std::span<const Material> materials) {
+  std::vector<Piece> pieces;
+  pieces.reserve(mesh.triangle_count());
+  const float longest_m = std::max(kSmallTriangleM, bounds(mesh).diagonal() / 24);
+  for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const auto corner = [&](size_t k) { return mesh.positions[mesh.indices[t * 3 + k]]; };
+    const glm::vec3 cross = triangle_cross(mesh, t);
+    const float length = glm::length(cross);
+    const uint32_t material = mesh.material_of(t);
+    cut_up({{corner(0), corner(1), corner(2)},
+            glm::vec3(0),
+            length > 0 ? cross / length : glm::vec3(0),
+            material < materials.size() && materials[material].two_sided},
+           longest_m, pieces);
+  }
+  return pieces;
+}
+
+Box box_of(std::span<const Piece> pieces) {
+  Box box;
+  for (const Piece& piece : pieces)
+    for (const glm::vec3& corner : piece.corners) box.add(corner);
+  return box;
+}
+
+NodePart part_of(std::span<const Piece> pieces) {
+  NodePart part{box_of(pieces), {}};
   glm::vec3 sum(0);
   bool any_side = false;
-  for (const Triangle& t : triangles) {
-    for (size_t k = 0; k < 3; ++k) part.box.add(mesh.positions[mesh.indices[size_t(t.index) * 3 + k]]);
-    sum += t.normal;
-    any_side |= t.any_side;
-  }
+  for (const Piece& piece : pieces) sum += piece.normal, any_side |= piece.any_side;
   const float length = glm::length(sum);
   if (any_side || length <= 0) return part;
   part.cone = {sum / length, 1};
-  for (const Triangle& t : triangles)
-    if (t.normal != glm::vec3(0))
-      part.cone.cos_angle = std::min(part.cone.cos_angle, glm::dot(t.normal, part.cone.axis));
+  for (const Piece& piece : pieces)
+    if (piece.normal != glm::vec3(0))
+      part.cone.cos_angle = std::min(part.cone.cos_angle, glm::dot(piece.normal, part.cone.axis));
   // Wider than computed, so that rounding never makes it too narrow.
   part.cone.cos_angle = std::max(-1.0F, part.cone.cos_angle - 1e-5F);
   return part;
 }
 
-/// Splits at the median of the longest axis of the values.
-template <class Key>
-size_t halve(std::span<Triangle> triangles, const Key& key) {
-  Box box;
-  for (const Triangle& t : triangles) box.add(key(t));
-  const int axis = box.longest_axis();
-  const size_t half = triangles.size() / 2;
-  std::nth_element(triangles.begin(), triangles.begin() + std::ptrdiff_t(half), triangles.end(),
-                   [&](const Triangle& a, const Triangle& b) {
-                     const float ka = key(a)[axis], kb = key(b)[axis];
-                     return ka != kb ? ka < kb : a.index < b.index;
-                   });
-  return half;
-}
-
-void cut(const Mesh& mesh, std::span<Triangle> triangles, uint32_t most_parts, std::vector<NodePart>& parts) {
-  if (most_parts < 2 || float(triangles.size()) < 2 * kSmallestHalf) {
-    parts.push_back(part_of(mesh, triangles));
-    return;
-  }
-  const size_t half = halve(triangles, [](const Triangle& t) { return t.center; });
-  cut(mesh, triangles.subspan(0, half), most_parts / 2, parts);
-  cut(mesh, triangles.subspan(half), most_parts - most_parts / 2, parts);
+/// In the middle of the longest axis of the pieces' places; by number where they all share one place.
+size_t halve(std::span<Piece> pieces) {
+  Box centers;
+  for (const Piece& piece : pieces) centers.add(piece.center);
+  const int axis = centers.longest_axis();
+  const float middle = centers.center()[axis];
+  const auto half = std::stable_partition(pieces.begin(), pieces.end(),
+                                          [&](const Piece& piece) { return piece.center[axis] < middle; });
+  const auto at = static_cast<size_t>(half - pieces.begin());
+  return at == 0 || at == pieces.size() ? pieces.size() / 2 : at;
 }
 
 }  // namespace
 
 std::vector<NodePart> cut_into_parts(const Mesh& mesh, std::span<const Material> materials, uint32_t most_parts) {
-  std::vector<Triangle> triangles;
-  triangles.reserve(mesh.triangle_count());
-  for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-    const auto corner = [&](size_t k) { return mesh.positions[mesh.indices[size_t(t) * 3 + k]]; };
-    const glm::vec3 cross = triangle_cross(mesh, t);
-    const float length = glm::length(cross);
-    const uint32_t material = mesh.material_of(t);
-    triangles.push_back({(corner(0) + corner(1) + corner(2)) / 3.0F, length > 0 ? cross / length : glm::vec3(0), t,
-                         material < materials.size() && materials[material].two_sided});
+  std::vector<Piece> pieces = pieces_of(mesh, materials);
+  if (pieces.empty()) return {};
+  // The largest group is halved, again and again.
+  const auto smaller = [](const Group& a, const Group& b) {
+    return a.size() != b.size() ? a.size() < b.size() : a.first > b.first;
+  };
+  std::priority_queue<Group, std::vector<Group>, decltype(smaller)> open(smaller);
+  std::vector<Group> done;
+  open.push({0, pieces.size(), box_of(pieces)});
+  while (!open.empty()) {
+    const Group group = open.top();
+    open.pop();
+    const bool small = group.count < kFewPieces && group.size() < 2 * kSmallTriangleM;
+    if (group.count < 2 || small || group.size() < kSmallPartM || open.size() + done.size() + 2 > most_parts) {
+      done.push_back(group);
+      continue;
+    }
+    const std::span<Piece> of_group(pieces.data() + group.first, group.count);
+    const size_t half = halve(of_group);
+    open.push({group.first, half, box_of(of_group.subspan(0, half))});
+    open.push({group.first + half, group.count - half, box_of(of_group.subspan(half))});
   }
+  std::sort(done.begin(), done.end(), [](const Group& a, const Group& b) { return a.first < b.first; });
   std::vector<NodePart> parts;
-  if (!triangles.empty()) cut(mesh, triangles, most_parts, parts);
+  parts.reserve(done.size());
+  for (const Group& group : done) parts.push_back(part_of(std::span(pieces).subspan(group.first, group.count)));
   return parts;
 }
 

@@ -19,7 +19,7 @@ struct NodePart {
 
 class NodeParts {
  public:
-  static constexpr uint32_t kMostParts = 32;  // of a node; measured: see bench_hiders
+  static constexpr uint32_t kMostParts = 48;  // of a node; measured: see bench_hiders
 
   /// Reads every mesh once, on all threads of the arena. Errors: reading the model; "interrupted".
   static Result<NodeParts> make(const ModelReader& model, JobMonitor& monitor);
@@ -35,7 +35,8 @@ class NodeParts {
   std::vector<size_t> first_;  ///< by node, and the end
 };
 
-/// The parts of one mesh: halved by direction where it faces every way, by place where it does not. Pure.
+/// The parts of one mesh, no more than so many, about equally large; triangles that are large themselves may lie in
+/// several. Pure.
 std::vector<NodePart> cut_into_parts(const Mesh& mesh, std::span<const Material> materials, uint32_t most_parts);
 
 /// True only if every triangle of the part shows its back to every eye in the cell. Exact but for rounding: triangles

@@ -16,15 +16,17 @@ namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr uint32_t kNoRegion = 0xffffffffU;
-constexpr size_t kMostTops = 8;      // of an occluder: flat roofs need one, hips some
-constexpr double kSimplifyM = 0.04;  // and a tenth of the erosion
+constexpr size_t kMostTops = 6;      // of an occluder: flat roofs need one, hips some
+constexpr double kLeastGain = 0.01;  // of the volume: what another top must add
+constexpr double kLossM = 0.35;      // what may stick out of a wall to be cut off; and a quarter of the erosion
 constexpr float kLeastLoopM = 1.0F;  // smaller loops hide next to nothing
 constexpr double kGroundBlockM = 16;
 
 /// What a tile contributes, with its own numbering of loops and points.
 struct TileResult {
   OccluderSet set;
-  std::vector<std::pair<glm::dvec2, float>> slips;
+  std::vector<std::pair<glm::dvec2, SolidColumns::Slip>> slips;  ///< where
+  std::vector<std::pair<glm::dvec2, float>> ground;              ///< squares of the tile's core: where, solid up to
 };
 
 /// The tile's solid columns turned into occluders.
@@ -38,8 +40,7 @@ class TileWork {
     label_regions();
     for (uint32_t region = 0; region < regions_.size(); ++region)
       if (is_ours(regions_[region])) add_occluder(regions_[region], region);
-    for (const SolidColumns::Slip& slip : solid_.slips)
-      result_.slips.emplace_back(place(slip.column % grid_.nx, slip.column / grid_.nx), slip.top_m);
+    survey_ground();
     return std::move(result_);
   }
 
@@ -50,6 +51,7 @@ class TileWork {
   };
   glm::dvec2 place(double x, double y) const { return grid_.low + glm::dvec2(x, y) * grid_.column_m; }
   void find_ground();
+  void survey_ground();
   void label_regions();
   bool is_ours(const Region& region) const;
   void add_occluder(const Region& region, uint32_t number);
@@ -91,6 +93,30 @@ void TileWork::find_ground() {
         for (uint32_t u = x == 0 ? 0 : x - 1; u <= std::min(x + 1, blocks_x_ - 1); ++u)
           ground_[size_t(y) * blocks_x_ + x] =
               std::min(ground_[size_t(y) * blocks_x_ + x], lowest[size_t(v) * blocks_x_ + u]);
+}
+
+/// Slips, and how far each column of the core is solid from below. Blocks of columns that lie in one square of the
+/// coarse ground would do; columns one by one are simpler, so several report to the same square.
+void TileWork::survey_ground() {
+  for (const SolidColumns::Slip& slip : solid_.slips)
+    result_.slips.emplace_back(place(slip.column % grid_.nx, slip.column / grid_.nx), slip);
+  const auto steps = std::max(1U, static_cast<uint32_t>(0.5 / grid_.column_m));
+  for (uint32_t y = 0; y < grid_.ny; y += steps)
+    for (uint32_t x = 0; x < grid_.nx; x += steps) {
+      const glm::dvec2 low = place(x, y), high = place(x + steps, y + steps);
+      if (high.x < double(core_.min.x) || low.x > double(core_.max.x) || high.y < double(core_.min.y) ||
+          low.y > double(core_.max.y))
+        continue;
+      float lowest = kFar;
+      for (uint32_t v = y; v < std::min(y + steps, grid_.ny); ++v)
+        for (uint32_t u = x; u < std::min(x + steps, grid_.nx); ++u) {
+          const size_t column = size_t(v) * grid_.nx + u;
+          lowest = std::min(lowest, solid_.base_m[column] == -kFar ? solid_.top_m[column] : -kFar);
+        }
+      // To every square that the block may reach into.
+      for (const double px : {low.x, high.x})
+        for (const double py : {low.y, high.y}) result_.ground.emplace_back(glm::dvec2(px, py), lowest);
+    }
 }
 
 /// Raised columns that hang together over their sides.
@@ -163,9 +189,11 @@ std::vector<float> TileWork::choose_tops(const Region& region) const {
           best[k][i] = v, next[k][i] = j;
     }
   std::vector<float> tops;
-  const std::vector<double>& last = best[kMostTops];
-  size_t at = static_cast<size_t>(std::max_element(last.begin(), last.end()) - last.begin());
-  for (size_t k = kMostTops; k > 0 && at < n; --k) {
+  const auto most = [&](size_t k) { return *std::max_element(best[k].begin(), best[k].end()); };
+  size_t cuts = 1;
+  while (cuts < kMostTops && most(cuts + 1) > most(cuts) * (1 + kLeastGain)) ++cuts;
+  size_t at = static_cast<size_t>(std::max_element(best[cuts].begin(), best[cuts].end()) - best[cuts].begin());
+  for (size_t k = cuts; k > 0 && at < n; --k) {
     tops.push_back(bins[at].low);
     at = next[k][at];
   }
@@ -188,9 +216,9 @@ void TileWork::add_loops(const Region& region, uint32_t number, float top_m,
   for (size_t k = 0; k < OccluderSet::kErosionsM.size(); ++k) {
     const double erosion = double(OccluderSet::kErosionsM[k]);
     const std::vector<Loop> made =
-        loops_at_depth(mask, depths, erosion / grid_.column_m, (kSimplifyM + 0.1 * erosion) / grid_.column_m);
+        loops_at_depth(mask, depths, erosion / grid_.column_m, (kLossM + 0.25 * erosion) / grid_.column_m);
     for (const Loop& loop : made) {
-      OccluderLoop entry{top_m, base_m, static_cast<uint32_t>(result_.set.points.size()), 0};
+      OccluderLoop entry{top_m, base_m, static_cast<uint32_t>(result_.set.points.size()), 0, {}, {}};
       Box bounds;
       for (const glm::vec2& p : loop) {
         const glm::vec2 point(low + glm::dvec2(p) * grid_.column_m);
@@ -202,6 +230,7 @@ void TileWork::add_loops(const Region& region, uint32_t number, float top_m,
         continue;
       }
       entry.point_count = static_cast<uint32_t>(loop.size());
+      entry.low = glm::vec2(bounds.min), entry.high = glm::vec2(bounds.max);
       loops[k].push_back(entry);
     }
     if (made.empty()) break;  // deeper there is nothing either
@@ -266,37 +295,132 @@ void append(OccluderSet& all, const OccluderSet& tile) {
   all.points.insert(all.points.end(), tile.points.begin(), tile.points.end());
 }
 
-void sum_slips(OccluderSet& set, const Box& box, std::span<const std::pair<glm::dvec2, float>> slips) {
-  constexpr double kTile = OccluderSet::kSlipTileM;
-  set.slips_low = glm::dvec2(box.min) - kTile;
-  set.slips_nx = static_cast<uint32_t>(double(box.size().x) / kTile) + 4;
-  set.slips_ny = static_cast<uint32_t>(double(box.size().y) / kTile) + 4;
-  const size_t row = size_t(set.slips_nx) + 1;
-  set.slip_sums.assign(row * (size_t(set.slips_ny) + 1), 0);
-  for (const auto& [at, top_m] : slips) {
-    const glm::dvec2 tile =
-        glm::clamp((at - set.slips_low) / kTile, glm::dvec2(0), glm::dvec2(set.slips_nx - 1, set.slips_ny - 1));
-    ++set.slip_sums[(static_cast<size_t>(tile.y) + 1) * row + static_cast<size_t>(tile.x) + 1];
-    set.slips_top_m = std::max(set.slips_top_m, top_m);
-  }
-  for (size_t y = 1; y <= set.slips_ny; ++y)
-    for (size_t x = 1; x <= set.slips_nx; ++x)
-      set.slip_sums[y * row + x] +=
-          set.slip_sums[(y - 1) * row + x] + set.slip_sums[y * row + x - 1] - set.slip_sums[(y - 1) * row + x - 1];
+using Ground = OccluderSet::Ground;
+
+Ground make_ground(const Box& box) {
+  Ground ground;
+  ground.corner = glm::dvec2(box.min) - Ground::kSquareM;
+  ground.nx = static_cast<uint32_t>(double(box.size().x) / Ground::kSquareM) + 4;
+  ground.ny = static_cast<uint32_t>(double(box.size().y) / Ground::kSquareM) + 4;
+  ground.solid_m.assign(size_t(ground.nx) * ground.ny, kFar);
+  for (std::vector<uint32_t>& sums : ground.slip_sums)
+    sums.assign((size_t(ground.nx) + 1) * (size_t(ground.ny) + 1), 0);
+  return ground;
 }
+
+/// Squares of the ground that a rectangle meets: first x, first y, last x, last y.
+std::array<size_t, 4> squares_of(const Ground& ground, const glm::dvec2& low, const glm::dvec2& high) {
+  const glm::dvec2 most(ground.nx - 1, ground.ny - 1);
+  const glm::dvec2 a = glm::clamp((low - ground.corner) / Ground::kSquareM, glm::dvec2(0), most);
+  const glm::dvec2 b = glm::clamp((high - ground.corner) / Ground::kSquareM, glm::dvec2(0), most);
+  return {static_cast<size_t>(a.x), static_cast<size_t>(a.y), static_cast<size_t>(b.x), static_cast<size_t>(b.y)};
+}
+
+void add_tile(Ground& ground, const TileResult& tile) {
+  const size_t row = size_t(ground.nx) + 1;
+  for (const auto& [at, slip] : tile.slips) {
+    const auto square = squares_of(ground, at, at);
+    ++ground.slip_sums[slip.way][(square[1] + 1) * row + square[0] + 1];
+    ground.slips_top_m = std::max(ground.slips_top_m, slip.top_m);
+  }
+  for (const auto& [at, solid_m] : tile.ground) {
+    const auto square = squares_of(ground, at, at);
+    float& lowest = ground.solid_m[square[1] * ground.nx + square[0]];
+    lowest = std::min(lowest, solid_m);
+  }
+}
+
+void complete(Ground& ground) {
+  const size_t row = size_t(ground.nx) + 1;
+  for (std::vector<uint32_t>& sums : ground.slip_sums)
+    for (size_t y = 1; y <= ground.ny; ++y)
+      for (size_t x = 1; x <= ground.nx; ++x)
+        sums[y * row + x] += sums[(y - 1) * row + x] + sums[y * row + x - 1] - sums[(y - 1) * row + x - 1];
+  for (float& solid : ground.solid_m)
+    if (solid == kFar) solid = -kFar;  // beyond the model
+}
+
+/// Looks for slips between two boxes: halves rectangles of squares as long as they hold some.
+class SlipSearch {
+ public:
+  SlipSearch(const Ground& ground, const Box& from, const Box& to) : ground_(ground), from_(from), to_(to) {}
+
+  bool run() {
+    const glm::vec2 low(glm::min(from_.min, to_.min)), high(glm::max(from_.max, to_.max));
+    // A ray that meets a slip towards +x starts on its -x side and ends on its +x side.
+    const std::array<std::array<glm::vec2, 2>, 4> ranges = {{{{{from_.min.x, low.y}, {to_.max.x, high.y}}},
+                                                             {{{to_.min.x, low.y}, {from_.max.x, high.y}}},
+                                                             {{{low.x, from_.min.y}, {high.x, to_.max.y}}},
+                                                             {{{low.x, to_.min.y}, {high.x, from_.max.y}}}}};
+    for (size_t way = 0; way < 4; ++way) {
+      const auto [first, last] = ranges[way];
+      if (first.x > last.x || first.y > last.y) continue;
+      const auto square = squares_of(ground_, glm::dvec2(first) - 0.5, glm::dvec2(last) + 0.5);
+      if (search(way, square[0], square[1], square[2] + 1, square[3] + 1)) return true;
+    }
+    return false;
+  }
+
+ private:
+  bool search(size_t way, size_t x0, size_t y0, size_t x1, size_t y1) const {
+    const size_t row = size_t(ground_.nx) + 1;
+    const std::vector<uint32_t>& sums = ground_.slip_sums[way];
+    if (sums[y1 * row + x1] + sums[y0 * row + x0] == sums[y0 * row + x1] + sums[y1 * row + x0]) return false;
+    if (beside(x0, y0, x1, y1)) return false;
+    if (x1 - x0 == 1 && y1 - y0 == 1) return true;
+    if (x1 - x0 >= y1 - y0) {
+      const size_t middle = (x0 + x1) / 2;
+      return search(way, x0, y0, middle, y1) || search(way, middle, y0, x1, y1);
+    }
+    const size_t middle = (y0 + y1) / 2;
+    return search(way, x0, y0, x1, middle) || search(way, x0, middle, x1, y1);
+  }
+
+  /// Whether squares lie outside the hull of the two plans: beyond a line through like corners that both keep to.
+  bool beside(size_t x0, size_t y0, size_t x1, size_t y1) const {
+    const glm::dvec2 low = ground_.corner + glm::dvec2(x0, y0) * Ground::kSquareM - 0.5;
+    const glm::dvec2 high = ground_.corner + glm::dvec2(x1, y1) * Ground::kSquareM + 0.5;
+    const auto corner = [](const glm::dvec2& a, const glm::dvec2& b, unsigned i) {
+      return glm::dvec2((i & 1U) != 0 ? b.x : a.x, (i & 2U) != 0 ? b.y : a.y);
+    };
+    for (unsigned i = 0; i < 4; ++i) {
+      const glm::dvec2 p = corner(glm::dvec2(from_.min), glm::dvec2(from_.max), i);
+      const glm::dvec2 way = corner(glm::dvec2(to_.min), glm::dvec2(to_.max), i) - p;
+      const auto range = [&](const glm::dvec2& a, const glm::dvec2& b) {
+        double least = std::numeric_limits<double>::infinity(), most = -least;
+        for (unsigned k = 0; k < 4; ++k) {
+          const glm::dvec2 d = corner(a, b, k) - p;
+          const double side = way.x * d.y - way.y * d.x;
+          least = std::min(least, side), most = std::max(most, side);
+        }
+        return std::pair(least, most);
+      };
+      const auto a = range(glm::dvec2(from_.min), glm::dvec2(from_.max));
+      const auto b = range(glm::dvec2(to_.min), glm::dvec2(to_.max));
+      const auto squares = range(low, high);
+      if (squares.first > std::max(a.second, b.second) || squares.second < std::min(a.first, b.first)) return true;
+    }
+    return false;
+  }
+
+  const Ground& ground_;
+  const Box &from_, &to_;
+};
 
 }  // namespace
 
-bool OccluderSet::may_slip(const Box& rectangle, float lowest_m) const {
-  if (lowest_m > slips_top_m || slips_nx == 0) return false;
-  const glm::dvec2 most(slips_nx - 1, slips_ny - 1);
-  const auto tile = [&](const glm::vec3& p) {
-    return glm::clamp((glm::dvec2(p) - slips_low) / kSlipTileM, glm::dvec2(0), most);
-  };
-  const glm::dvec2 low = tile(rectangle.min - 0.5F), high = tile(rectangle.max + 0.5F);
-  const size_t row = size_t(slips_nx) + 1, x0 = static_cast<size_t>(low.x), y0 = static_cast<size_t>(low.y),
-               x1 = static_cast<size_t>(high.x) + 1, y1 = static_cast<size_t>(high.y) + 1;
-  return slip_sums[y1 * row + x1] + slip_sums[y0 * row + x0] != slip_sums[y0 * row + x1] + slip_sums[y1 * row + x0];
+float OccluderSet::Ground::solid_below(const Box& rectangle) const {
+  if (solid_m.empty()) return -kFar;
+  const auto square = squares_of(*this, glm::dvec2(rectangle.min), glm::dvec2(rectangle.max));
+  if (square[2] - square[0] > 64 || square[3] - square[1] > 64) return -kFar;  // bounds the time
+  float lowest = kFar;
+  for (size_t y = square[1]; y <= square[3]; ++y)
+    for (size_t x = square[0]; x <= square[2]; ++x) lowest = std::min(lowest, solid_m[y * nx + x]);
+  return lowest;
+}
+
+bool OccluderSet::Ground::has_slips(const Box& from, const Box& to) const {
+  return slips_top_m > -kFar && SlipSearch(*this, from, to).run();
 }
 
 Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOptions& options, JobMonitor& monitor) {
@@ -317,14 +441,14 @@ Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOp
     made[i] = work_tile(model, core, box, options, monitor);
     monitor.progress("occluders", ++done, made.size());
   });
-  std::vector<std::pair<glm::dvec2, float>> slips;
+  set.ground = make_ground(box);
   for (std::optional<Result<TileResult>>& tile : made) {
     if (!tile->ok()) return tile->error();
     append(set, (*tile)->set);
-    slips.insert(slips.end(), (*tile)->slips.begin(), (*tile)->slips.end());
+    add_tile(set.ground, **tile);
     tile.reset();
   }
-  sum_slips(set, box, slips);
+  complete(set.ground);
   return set;
 }
 

@@ -27,6 +27,7 @@ struct OccluderLoop {
   float top_m = 0;
   float base_m = 0;  ///< -infinity: all the way down
   uint32_t first_point = 0, point_count = 0;
+  glm::vec2 low{0}, high{0};  ///< bounds
 };
 
 /// What hangs together: a building, or a block of them.
@@ -39,8 +40,9 @@ struct Occluder {
 };
 
 struct OccluderSet {
-  /// How far the loops lie within what is solid, metres.
-  static constexpr std::array<float, 9> kErosionsM = {0.005F, 0.05F, 0.125F, 0.25F, 0.5F, 1, 2, 4, 8};
+  /// How far the loops lie within what is solid, metres: halves of a cell's side, and a tenth more for the error of
+  /// what is drawn.
+  static constexpr std::array<float, 9> kErosionsM = {0.005F, 0.05F, 0.14F, 0.28F, 0.55F, 1.1F, 2.2F, 4.4F, 8.8F};
 
   std::vector<Occluder> occluders;
   std::vector<OccluderLoop> loops;
@@ -54,15 +56,23 @@ struct OccluderSet {
     return {points.data() + loop.first_point, loop.point_count};
   }
 
-  /// Places where a ray may slip under the ground, on a coarse grid: counts from the low corner on (summed areas).
-  glm::dvec2 slips_low{0};
-  uint32_t slips_nx = 0, slips_ny = 0;
-  std::vector<uint32_t> slip_sums;                              ///< (nx + 1) (ny + 1)
-  float slips_top_m = -std::numeric_limits<float>::infinity();  ///< the highest of them
-  static constexpr double kSlipTileM = 2;
+  /// What is known of the ground, on a coarse grid of squares from a low corner on.
+  struct Ground {
+    static constexpr double kSquareM = 2;
+    glm::dvec2 corner{0};
+    uint32_t nx = 0, ny = 0;
+    std::vector<float> solid_m;  ///< all of the square is solid up to here; -infinity: it is not
+    /// Places where a ray may slip under it, by the way that it goes (+x, -x, +y, -y): summed areas, (nx + 1) (ny + 1).
+    std::array<std::vector<uint32_t>, 4> slip_sums;
+    float slips_top_m = -std::numeric_limits<float>::infinity();  ///< only rays below this can
 
-  /// Whether a ray that stays within the rectangle and above `lowest_m` may go under the ground.
-  bool may_slip(const Box& rectangle, float lowest_m) const;
+    /// The height below which all of the rectangle is solid.
+    float solid_below(const Box& rectangle) const;
+    /// Whether rays from one box to another may meet a slip: it lies between them (in the hull of their plans), and
+    /// leads their way.
+    bool has_slips(const Box& from, const Box& to) const;
+  };
+  Ground ground;
 };
 
 /// Reads every leaf, some times over, tile by tile on the threads of the arena; memory in proportion to a tile. The

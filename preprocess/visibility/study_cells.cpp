@@ -64,6 +64,16 @@ class HeightPlan {
   std::vector<float> heights_;
 };
 
+bool between_houses(const HeightPlan& plan, const glm::vec2& low, float side, float street_m) {
+  constexpr float kReachM = 40, kHouseM = 3;
+  const glm::vec2 high = low + side;
+  const auto is_high = [&](const glm::vec2& from, const glm::vec2& to) {
+    return plan.range(from, to).second - street_m > kHouseM;
+  };
+  return is_high({low.x - kReachM, low.y}, {low.x, high.y}) && is_high({high.x, low.y}, {high.x + kReachM, high.y}) &&
+         is_high({low.x, low.y - kReachM}, {high.x, low.y}) && is_high({low.x, high.y}, {high.x, high.y + kReachM});
+}
+
 }  // namespace
 
 Result<std::vector<Box>> study_cells(const NodeMeshes& meshes, const StudyCellOptions& options) {
@@ -83,11 +93,10 @@ Result<std::vector<Box>> study_cells(const NodeMeshes& meshes, const StudyCellOp
     const float lift = unit();
     const auto [least, most] = plan->range(low, low + side);
     if (!std::isfinite(least)) continue;
-    float z = least + 0.2F, height = options.height_m;
+    float z = most + 0.1F, height = options.height_m;
     if (options.place == StudyPlace::street) {
-      // A street is flat, and much lower than something not far away.
-      const auto around = plan->range(low - 30.0F, low + side + 30.0F);
-      if (most - least > 0.5F || around.second - most < 3) continue;
+      // A street is flat, and on each side of it something is much higher.
+      if (most - least > 0.5F || !between_houses(*plan, low, side, most)) continue;
     } else {
       height = side;
       z = most + 0.5F + lift * std::max(1.0F, box.max.z + box.size().z / 3 - most);

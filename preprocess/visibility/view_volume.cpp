@@ -202,15 +202,38 @@ bool ViewVolume::may_stand(const glm::ivec3& at) const {
                      [&](const glm::ivec3& step) { return grid_.holds(at + step) && kind(at + step) == Kind::open; });
 }
 
-bool ViewVolume::is_open(const Box& box) const {
+template <class Test>
+bool ViewVolume::any_cube(const Box& box, Test test) const {
   // Shrunk by a little: a cube that the box only touches is another box's.
   const glm::vec3 rim(grid_.step_m * 1e-3F);
   const glm::ivec3 low = grid_.clamped(grid_.place(box.min + rim)), high = grid_.clamped(grid_.place(box.max - rim));
   for (int z = low.z; z <= high.z; ++z)
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x; ++x)
-        if (may_stand({x, y, z})) return true;
+        if (test(glm::ivec3(x, y, z))) return true;
   return false;
+}
+
+bool ViewVolume::is_open(const Box& box) const {
+  return any_cube(box, [this](const glm::ivec3& at) { return may_stand(at); });
+}
+
+bool ViewVolume::holds_open(const Box& box) const {
+  return any_cube(box, [this](const glm::ivec3& at) { return kind(at) == Kind::open; });
+}
+
+double ViewVolume::roofed_share() const {
+  uint64_t roofed = 0, open = 0;
+  std::vector<uint8_t> roof(size_t(grid_.count.x) * size_t(grid_.count.y), 0);
+  bool below_top = false;
+  for (size_t i = kinds_.size(); i-- > 0;) {
+    uint8_t& above = roof[i % roof.size()];
+    if (kinds_[i] == Kind::surface) above = 1, below_top = true;
+    if (kinds_[i] != Kind::open || !below_top) continue;
+    ++open;
+    roofed += above;
+  }
+  return open > 0 ? double(roofed) / double(open) : 0;
 }
 
 Box ViewVolume::above_ground(const Box& box) const {

@@ -32,6 +32,11 @@ class ViewVolume {
   /// Whether somebody may stand somewhere in the box. A surface's cube counts as open when one beside it is: a part of
   /// it is before the surface.
   bool is_open(const Box& box) const;
+  /// The same without the surfaces' cubes: for boxes between walls, which the surfaces bound.
+  bool holds_open(const Box& box) const;
+  /// The part of the open space below the model's highest surface that has a surface above it: near 1 in a building,
+  /// near 0 in a city.
+  double roofed_share() const;
   /// The box without what of it lies below all ground in it: nobody stands there, and from there one would see under
   /// everything. Not empty.
   Box above_ground(const Box& box) const;
@@ -42,6 +47,8 @@ class ViewVolume {
 
  private:
   bool may_stand(const glm::ivec3& at) const;
+  template <class Test>
+  bool any_cube(const Box& box, Test test) const;
 
   VoxelGrid grid_;
   std::vector<Kind> kinds_;

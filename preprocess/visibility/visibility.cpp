@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <map>
 
 #include "codec/frame.h"
 #include "preprocess/byte_io.h"
 #include "preprocess/visibility/view_cells.h"
 #include "preprocess/visibility/view_volume.h"
+#include "preprocess/visibility/wall_planes.h"
 
 namespace promenade {
 
@@ -19,8 +20,10 @@ constexpr uint64_t kVoxels = 8 << 20;  // 72 MiB, within the least memory that a
 /// Air above the model that belongs to viewing space, in heights of the model.
 constexpr float kSky = 0.25F;
 /// The uniform grid that division starts from takes at most this part of the cells.
-constexpr uint32_t kStartPart = 8;
-constexpr uint32_t kFewestCells = 256, kMostCells = 16384, kCellsPerNode = 8;
+constexpr uint32_t kStartPart = 4;
+constexpr uint32_t kFewestCells = 256, kMostCells = 4096;
+/// Of each cell whose division is considered: corners of its floor that lie across from each other.
+constexpr size_t kProbes = 2;
 
 Box viewing_space(const Model& model) {
   Box box;
@@ -33,19 +36,29 @@ Box viewing_space(const Model& model) {
   return box;
 }
 
+float top_of(const Model& model) {
+  float top_m = std::numeric_limits<float>::lowest();
+  for (const NodeId root : model.tables.roots) top_m = std::max(top_m, model.tables.nodes[index_of(root)].box.max.z);
+  return top_m;
+}
+
 /// Division of viewing space under way: the plan, and the vLODs of its cells.
 class Division {
  public:
   Division(const ModelReader& reader, const ViewVolume& volume, CellUnits& units, const VisibilityOptions& options)
-      : volume_(volume), units_(units), options_(options), plan_(viewing_space(reader.model())) {
+      : volume_(volume),
+        units_(units),
+        options_(options),
+        plan_(viewing_space(reader.model())),
+        top_m_(top_of(reader.model())) {
     const uint64_t nodes = reader.model().tables.nodes.size();
-    most_ = options.max_cells != 0
-                ? options.max_cells
-                : static_cast<uint32_t>(std::clamp<uint64_t>(kCellsPerNode * nodes, kFewestCells, kMostCells));
+    most_ = options.max_cells != 0 ? options.max_cells
+                                   : static_cast<uint32_t>(std::clamp<uint64_t>(nodes, kFewestCells, kMostCells));
   }
 
-  Status run() {
-    const std::vector<uint32_t> start = start_grid();
+  /// patches: what to divide along; empty: evenly.
+  Status run(const std::vector<AxialPatch>& patches) {
+    const std::vector<uint32_t> start = patches.empty() ? start_grid() : start_rooms(patches);
     PROMENADE_TRY(evaluate(start));
     for (const uint32_t leaf : start) open_.push_back(leaf);
     cells_ = start.size();
@@ -72,7 +85,9 @@ class Division {
     while (true) {
       std::vector<uint32_t> finer, divided;
       for (const uint32_t leaf : leaves) {
-        std::vector<uint32_t> parts = divisible(leaf) ? plan_.split_octants(leaf) : std::vector<uint32_t>();
+        // From the air above everything there is little that a division could hide.
+        const bool air = plan_.box_of(leaf).min.z >= top_m_;
+        std::vector<uint32_t> parts = divisible(leaf) && !air ? plan_.split_octants(leaf) : std::vector<uint32_t>();
         if (parts.empty())
           parts = {leaf};
         else
@@ -87,6 +102,14 @@ class Division {
       }
       leaves = std::move(finer);
     }
+  }
+
+  /// Divides along walls; what lies in a wall is dropped.
+  std::vector<uint32_t> start_rooms(const std::vector<AxialPatch>& patches) {
+    std::vector<uint32_t> leaves = split_along_walls(plan_, CellPlan::kRoot, patches, {});
+    std::erase_if(leaves, [this](uint32_t leaf) { return !volume_.holds_open(plan_.box_of(leaf)); });
+    for (const uint32_t leaf : leaves) plan_.set_cell(leaf, plan_.box_of(leaf));
+    return leaves;
   }
 
   /// Makes cells of the leaves in which somebody may stand, and drops the others.
@@ -126,9 +149,9 @@ class Division {
     return chosen;
   }
 
-  /// Divides cells where that will help in the end: where from the smallest part of one of its lowest quarters less
-  /// than half is seen. (The paper looks at the cell's own parts. In a city these still see over the roofs where their
-  /// parts, down in a street, do not, and the division would end before it could help.)
+  /// Divides cells where that will help in the end: where from the smallest part of its lowest quarters, of some of
+  /// them, so much less is seen. (The paper looks at the cell's own parts. In a city these still see over the roofs
+  /// where their parts, down in a street, do not, and the division would end before it could help.)
   Status divide(const std::vector<uint32_t>& leaves) {
     std::vector<std::vector<uint32_t>> parts_of;
     std::vector<Box> probes;
@@ -137,8 +160,10 @@ class Division {
       std::vector<uint32_t> parts = plan_.split_octants(leaf);
       mark(parts);
       first_probe.push_back(probes.size());
-      for (const uint32_t part : parts)
-        if (plan_.box_of(part).min.z == plan_.box_of(leaf).min.z) probes.push_back(smallest_part(plan_.box_of(part)));
+      std::vector<uint32_t> lowest = parts;
+      std::erase_if(lowest, [&](uint32_t p) { return plan_.box_of(p).min.z != plan_.box_of(leaf).min.z; });
+      for (size_t k = 0; k < std::min(kProbes, lowest.size()); ++k)
+        probes.push_back(smallest_part(plan_.box_of(k == 0 ? lowest.front() : lowest.back())));
       parts_of.push_back(std::move(parts));
     }
     first_probe.push_back(probes.size());
@@ -149,8 +174,7 @@ class Division {
     for (size_t i = 0; i < leaves.size(); ++i) {
       uint64_t least = ~uint64_t(0);
       for (size_t k = first_probe[i]; k < first_probe[i + 1]; ++k) least = std::min(least, (*probed)[k].triangles);
-      constexpr uint64_t kHelps = 2;  // [chhugani2003] section 2.1
-      if (least == ~uint64_t(0) || vlods_[leaves[i]].triangles <= kHelps * least) {
+      if (least == ~uint64_t(0) || double(vlods_[leaves[i]].triangles) <= options_.cell_gain * double(least)) {
         plan_.merge(leaves[i]);
         continue;
       }
@@ -185,6 +209,7 @@ class Division {
   CellUnits& units_;
   const VisibilityOptions& options_;
   CellPlan plan_;
+  float top_m_;
   uint32_t most_ = 0;
   size_t cells_ = 0;
   uint32_t round_ = 0;
@@ -203,6 +228,12 @@ Result<ViewVolume> volume_of(const ModelReader& reader, const VisibilityOptions&
     volume->keep_inside(boxes);
   }
   return volume;
+}
+
+CellStyle style_of(const VisibilityOptions& options, const ViewVolume& volume) {
+  constexpr double kIndoors = 0.1;
+  if (options.cells != CellStyle::automatic) return options.cells;
+  return volume.roofed_share() > kIndoors ? CellStyle::kd : CellStyle::octree;
 }
 
 uint64_t hash_of(const FrontBound& bound, uint64_t hash) {
@@ -236,10 +267,19 @@ Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hide
   if (!volume.ok()) return volume.error();
   const FrontBound bound = bound_of(options);
   CellUnits units(reader.model(), hiders, bound, hash_of(bound, hash), folder, monitor);
+  const CellStyle style = style_of(options, *volume);
+  std::vector<AxialPatch> patches;
+  if (style == CellStyle::kd) {
+    Result<std::vector<AxialPatch>> found = find_axial_patches(reader, monitor);
+    if (!found.ok()) return found.error();
+    patches = std::move(*found);
+  }
   Division division(reader, *volume, units, options);
-  PROMENADE_TRY(division.run());
+  PROMENADE_TRY(division.run(patches));
   Visibility made = division.result(bound);
   made.figures = figures_of(made, units.counts());
+  made.figures.style = style;
+  made.figures.roofed_share = volume->roofed_share();
   return made;
 }
 

@@ -17,8 +17,9 @@ namespace promenade {
 /// How viewing space is divided.
 enum class CellStyle : uint8_t {
   none,       ///< not at all: the tree alone serves
-  automatic,  ///< as the model asks
-  octree,     ///< halves along every axis
+  automatic,  ///< kd where a tenth of the space has a roof above it, else octree
+  octree,     ///< halves along every axis: for cities and landscapes
+  kd,         ///< along walls, floors and ceilings: for the inside of buildings
 };
 
 struct VisibilityOptions {
@@ -30,8 +31,11 @@ struct VisibilityOptions {
   ErrorAt error_at = ErrorAt::center;
   /// Most triangles of a vLOD that is not divided further. Smaller: more cells, less drawn.
   uint64_t cell_triangles = 100000;
+  /// A cell is divided when it sees more than this many times what its smallest parts see. [chhugani2003] section 2.1
+  /// has 2; under levels of detail most of what is seen is near, and less is to be gained.
+  double cell_gain = 1.25;
   double smallest_cell_m = 4;           ///< no cell is divided whose parts would be shorter than this along every axis
-  uint32_t max_cells = 0;               ///< 0: eight a node, 256 to 16384. The largest vLODs are divided first
+  uint32_t max_cells = 0;               ///< 0: one a node, 256 to 4096. The largest vLODs are divided first
   std::optional<double> walk_height_m;  ///< only space this high above what one may stand on; nullopt: up to the sky
   std::vector<DBox> inside;             ///< only space in these boxes, metres, world; empty: everywhere
 };
@@ -46,7 +50,7 @@ uint64_t hash_of(const VisibilityOptions& options);
 /// By option name, for the manifest.
 std::map<std::string, std::string> settings_of(const VisibilityOptions& options);
 
-/// "none", "auto", "octree".
+/// "none", "auto", "octree", "kd".
 std::string_view name_of(CellStyle style);
 std::optional<CellStyle> cell_style_named(std::string_view name);
 
@@ -54,6 +58,8 @@ struct VisibilityFigures {
   uint64_t cells = 0;
   double vlod_nodes_mean = 0, vlod_triangles_mean = 0;
   double front_nodes_mean = 0, front_triangles_mean = 0;  ///< before hiding
+  CellStyle style = CellStyle::none;                      ///< what automatic came to
+  double roofed_share = 0;                                ///< of the space below the highest surface: has a roof above
   double ms_per_cell = 0;                                 ///< of one core
   CellUnitCounts units;
 };
@@ -64,11 +70,10 @@ struct Visibility {
   VisibilityFigures figures;
 };
 
-/// Divides viewing space and computes what is seen from each part. Cells that see more than cell_triangles are divided,
-/// largest first, while that helps: while from the smallest part less than half is seen. hash: of the model's bytes and
-/// all that hiders depend on. Same result at any thread count and after any interruption.
-/// Errors: reading the model, a hider's, the disk's, cancellation.
-/// Source: [chhugani2003] section 2.1.
+/// Divides viewing space, evenly or along walls, and computes what is seen from each part. Cells that see more than
+/// cell_triangles are divided, largest first, while that helps: while that many times less is seen from the smallest
+/// part. hash: of the model's bytes and all that hiders depend on. Same result at any thread count and after any
+/// interruption. Errors: reading the model, a hider's, the disk's, cancellation. Source: [chhugani2003] section 2.1.
 Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const VisibilityOptions& options,
                                       uint64_t hash, const WorkFolder& folder, JobMonitor& monitor);
 

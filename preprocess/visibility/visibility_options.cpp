@@ -11,8 +11,8 @@ namespace promenade {
 
 namespace {
 
-constexpr std::array<std::pair<CellStyle, std::string_view>, 3> kStyles = {
-    {{CellStyle::none, "none"}, {CellStyle::automatic, "auto"}, {CellStyle::octree, "octree"}}};
+constexpr std::array<std::pair<CellStyle, std::string_view>, 4> kStyles = {
+    {{CellStyle::none, "none"}, {CellStyle::automatic, "auto"}, {CellStyle::octree, "octree"}, {CellStyle::kd, "kd"}}};
 
 Status check_number(const char* option, double value, double above, double most) {
   if (value > above && value <= most) return Done{};
@@ -42,6 +42,8 @@ Status check_options(const VisibilityOptions& o) {
   PROMENADE_TRY(check_number("pixel-error", o.pixel_error, 0, 1e6));
   PROMENADE_TRY(check_number("fov", o.vertical_fov_deg, 0, 179));
   PROMENADE_TRY(check_number("smallest-cell", o.smallest_cell_m, 0, 1e9));
+  if (!(o.cell_gain >= 1 && o.cell_gain <= 1e6))
+    return Error{fmt::format("--cell-gain {}: must be between 1 and 1000000", o.cell_gain)};
   if (o.width_px == 0 || o.height_px == 0) return Error{"--size: a picture has at least one pixel"};
   if (o.walk_height_m) PROMENADE_TRY(check_number("walk-height", *o.walk_height_m, 0, 1e6));
   for (const DBox& box : o.inside)
@@ -54,6 +56,7 @@ uint64_t hash_of(const VisibilityOptions& o) {
   const FrontBound bound = bound_of(o);
   writer.value(o.cells), writer.value(bound.pixel_error), writer.value(bound.scale.focal_px);
   writer.value(bound.scale.tan_corner), writer.value(o.cell_triangles), writer.value(o.smallest_cell_m);
+  writer.value(o.cell_gain);
   writer.value(o.max_cells), writer.value(o.walk_height_m.value_or(-1));
   writer.array(o.inside);
   for (const std::string& hider : o.hiders) writer.text(hider);
@@ -69,6 +72,7 @@ std::map<std::string, std::string> settings_of(const VisibilityOptions& o) {
   settings["fov"] = fmt::format("{}", o.vertical_fov_deg);
   settings["error-at"] = o.error_at == ErrorAt::corner ? "corner" : "center";
   settings["cell-triangles"] = fmt::format("{}", o.cell_triangles);
+  settings["cell-gain"] = fmt::format("{}", o.cell_gain);
   settings["smallest-cell"] = fmt::format("{}", o.smallest_cell_m);
   if (o.max_cells != 0) settings["max-cells"] = fmt::format("{}", o.max_cells);
   if (o.walk_height_m) settings["walk-height"] = fmt::format("{}", *o.walk_height_m);

@@ -27,7 +27,7 @@ std::vector<uint32_t> random_ids(std::mt19937& random, uint32_t limit) {
 }
 
 TEST(IdSet, is_gaps_and_runs) {
-  // 3, 4, 5; then 300: 294 after the first that may come, 6 + 1.
+  // 3, 4, 5; then 300: 293 after 7, the first that may come.
   EXPECT_EQ(encode_ids(std::vector<uint32_t>{3, 4, 5, 300}), bytes({3, 2, 0xa5, 0x02, 0}));
   EXPECT_THAT(encode_ids({}), IsEmpty());
 }

@@ -23,7 +23,7 @@ struct Bench {
     options.memory_bytes = memory_bytes;
     options.piece_bytes = piece_bytes;
     set = std::make_unique<ResidentSet>(source, renderer, memory_bytes, 0, margin);
-    loader = std::make_unique<Loader>(source, renderer, *set, options);
+    loader = std::make_unique<Loader>(source, renderer, *set, nullptr, options);
   }
   ~Bench() {
     set->clear(renderer);
@@ -310,7 +310,7 @@ TEST(Loader, emulated_disk_takes_its_time_and_counts_runs) {
   LoaderOptions options = bench.options;
   options.disk_mbps = 0.5;  // 500 bytes: 1 ms
   options.disk_seek_ms = 7;
-  Loader loader(model, bench.renderer, *bench.set, options);
+  Loader loader(model, bench.renderer, *bench.set, nullptr, options);
   // Leaves 1 and 2 lie one behind the other; leaf 0 before them.
   bench.want({{model.leaves[1], 3}, {model.leaves[2], 2}, {model.leaves[0], 1}});
   std::vector<int> read_ms;
@@ -353,7 +353,7 @@ TEST(LoaderThread, stops_when_its_grant_is_spent) {
   ASSERT_TRUE(bench.set->load_roots(bench.renderer));
   LoaderOptions options = bench.options;
   options.disk_mbps = 0.1;  // 100 bytes: 1 ms
-  Loader loader(model, bench.renderer, *bench.set, options);
+  Loader loader(model, bench.renderer, *bench.set, nullptr, options);
   LoaderThread thread(loader);
   thread.grant(0);
   bench.want({{model.leaves[0], 1}});

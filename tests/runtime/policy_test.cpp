@@ -72,7 +72,7 @@ void expect_front(const Chooser& c) {
 }
 
 TEST(Policies, have_names) {
-  for (const char* name : {"none", "static", "time-slices", "lakhia"}) {
+  for (const char* name : {"none", "static", "time-slices", "lakhia", "front", "vlod", "vlod-time-slices"}) {
     ASSERT_TRUE(policy_named(name));
     EXPECT_EQ(name_of(*policy_named(name)), name);
   }

@@ -23,6 +23,8 @@ namespace {
 
 constexpr int kMostHalvings = 6;  // measured: see bench_hiders
 constexpr float kSmallestSegmentM = 0.2F;
+constexpr int kFirstLook = 2;        // halvings before which corners and middles have been looked from already
+constexpr size_t kFewTargets = 500;  // more are looked at node by node
 constexpr uint32_t kErrorGrid = 64;  // cells a side of the map of errors
 
 /// The greatest error of what is drawn around each place of the plan.
@@ -97,9 +99,12 @@ class CellWork {
   }
 
  private:
+  using Ground = OccluderSet::Ground;
   enum class State : uint8_t { open, seen };
+  enum class Fate : uint8_t { unseen, open, seen };
   using Targets = std::vector<uint32_t>;
 
+  Fate fate_of(const NodePart& part);
   void gather_targets();
   void gather_occluders();
   void look_from_corners();
@@ -108,6 +113,13 @@ class CellWork {
   void fill_horizon(const glm::dvec3& eye, const Targets& targets, float erosion_m);
   /// Targets that the horizon does not hide.
   Targets not_hidden(const Targets& targets);
+  /// Keeps nodes with a target that the horizon does not hide.
+  void keep_seen(const Targets& targets) {
+    for (const uint32_t t : targets) {
+      State& state = state_[targets_[t].node];
+      if (state == State::open && !horizon_.hides(horizon_.view_of(targets_[t].box))) state = State::seen;
+    }
+  }
   void keep(const Targets& targets) {
     for (const uint32_t t : targets) state_[targets_[t].node] = State::seen;
   }
@@ -130,17 +142,36 @@ class CellWork {
   std::span<const NodeId> front_;
   std::span<uint8_t> hidden_;
   std::vector<State> state_;
-  std::vector<Target> targets_;
-  float lowest_m_ = 0;  ///< no ray that matters goes below
+  std::vector<Target> targets_;  ///< by node
+  std::vector<Box> boxes_;       ///< of a node's targets together
+  float eyes_from_m_ = 0;        ///< no eye is lower
+  float lowest_m_ = 0;           ///< no ray that matters goes below
   std::vector<Usable> usable_;
   AzimuthHorizon horizon_;
 };
 
-/// The parts of each node that face the cell. A node with a part above, below or around the cell is seen, as is one
-/// that may be seen from under the ground.
+/// What rays from the cell may do on their way to a part. Eyes are in the air, so above the ground; what lies below the
+/// ground is seen only by rays that slip under it.
+CellWork::Fate CellWork::fate_of(const NodePart& part) {
+  if (faces_away_from_cell(part.cone, part.box, cell_)) return Fate::unseen;
+  const Ground& ground = set_.ground;
+  const float solid = ground.solid_below(part.box);
+  float lowest = part.box.min.z;
+  if (lowest < solid && !ground.has_slips(cell_, part.box)) {
+    if (part.box.max.z < solid) return Fate::unseen;
+    lowest = solid;
+  }
+  if (share_plan(part.box, cell_)) return Fate::seen;
+  lowest_m_ = std::min(lowest_m_, lowest);
+  return Fate::open;
+}
+
+/// The parts of each node that must be hidden for it to be. A node with a part above, below or around the cell is seen.
 void CellWork::gather_targets() {
   state_.assign(front_.size(), State::open);
-  lowest_m_ = cell_.min.z;
+  boxes_.assign(front_.size(), Box());
+  eyes_from_m_ = std::max(cell_.min.z, std::min(set_.ground.solid_below(cell_), cell_.max.z));
+  lowest_m_ = eyes_from_m_;
   for (uint32_t i = 0; i < front_.size(); ++i) {
     if (hidden_[i] != 0) {
       state_[i] = State::seen;  // nothing to prove; what is set already stays
@@ -148,25 +179,22 @@ void CellWork::gather_targets() {
     }
     const size_t first = targets_.size();
     for (const NodePart& part : parts_.of(front_[i])) {
-      if (faces_away_from_cell(part.cone, part.box, cell_)) continue;
-      Box around = cell_;
-      around.add(part.box);
-      const bool slips = set_.may_slip(around, std::min(cell_.min.z, part.box.min.z));
-      if (slips || share_plan(part.box, cell_)) {
-        state_[i] = State::seen;
-        break;
-      }
-      targets_.push_back({part.box, i});
+      const Fate fate = fate_of(part);
+      if (fate == Fate::open) targets_.push_back({part.box, i}), boxes_[i].add(part.box);
+      if (fate != Fate::seen) continue;
+      state_[i] = State::seen;
+      targets_.resize(first);
+      break;
     }
-    if (state_[i] == State::seen) targets_.resize(first);
   }
-  for (const Target& target : targets_) lowest_m_ = std::min(lowest_m_, target.box.min.z);
 }
 
 void CellWork::gather_occluders() {
   ErrorMap errors(model_, front_);
   for (const Occluder& occluder : set_.occluders) {
     if (occluder.base_m > lowest_m_) continue;
+    // A ray may be under an occluder that goes all the way down when it slipped under the ground before.
+    if (lowest_m_ < set_.ground.slips_top_m && set_.ground.has_slips(cell_, occluder.box)) continue;
     const float distance = plan_distance(occluder.box, cell_);
     usable_.push_back({&occluder, errors.around(occluder.box), distance});
   }
@@ -177,7 +205,14 @@ void CellWork::gather_occluders() {
 void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float erosion_m) {
   horizon_.reset(eye);
   horizon_.want_none();
-  for (const uint32_t t : targets) horizon_.want(horizon_.view_of(targets_[t].box));
+  const bool few = targets.size() < kFewTargets;
+  for (size_t i = 0; i < targets.size(); ++i) {
+    const Target& target = targets_[targets[i]];
+    if (few)
+      horizon_.want(horizon_.view_of(target.box));
+    else if (i == 0 || target.node != targets_[targets[i - 1]].node)
+      horizon_.want(horizon_.view_of(boxes_[target.node]));
+  }
   horizon_.wants_complete();
   for (const Usable& usable : usable_) {
     const float need = erosion_m + usable.error_m;
@@ -188,14 +223,23 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
     if (loops.empty() || !horizon_.worth_adding(usable.occluder->box)) continue;
     Box clear = cell_;
     clear.min -= levels[level], clear.max += levels[level];
-    for (const OccluderLoop& loop : loops) horizon_.add(set_.points_of(loop), loop.top_m - usable.error_m, clear);
+    for (const OccluderLoop& loop : loops) {
+      const float top_m = loop.top_m - usable.error_m;
+      if (loops.size() == 1 || horizon_.worth_adding({{loop.low, top_m}, {loop.high, top_m}}))
+        horizon_.add(set_.points_of(loop), top_m, clear);
+    }
   }
 }
 
+/// Nodes first, their parts only where that does not do.
 CellWork::Targets CellWork::not_hidden(const Targets& targets) {
   Targets left;
-  for (const uint32_t t : targets)
-    if (!horizon_.hides(horizon_.view_of(targets_[t].box))) left.push_back(t);
+  for (size_t i = 0; i < targets.size();) {
+    const uint32_t node = targets_[targets[i]].node;
+    const bool hidden = horizon_.hides(horizon_.view_of(boxes_[node]));
+    for (; i < targets.size() && targets_[targets[i]].node == node; ++i)
+      if (!hidden && !horizon_.hides(horizon_.view_of(targets_[targets[i]].box))) left.push_back(targets[i]);
+  }
   return left;
 }
 
@@ -207,7 +251,7 @@ void CellWork::look_from_corners() {
   for (size_t i = 0; i < 8; ++i) {
     const glm::dvec3 eye = i < 4 ? corner[i] : (corner[i - 4] + corner[(i - 3) % 4]) * 0.5;
     fill_horizon(eye, open, 0);
-    keep(not_hidden(open));
+    keep_seen(open);
     open = still_open(open);
   }
 }
@@ -228,9 +272,11 @@ void CellWork::prove(const glm::dvec3& from, const glm::dvec3& to, Targets targe
   targets = not_hidden(targets);
   if (targets.empty()) return;
   if (halvings == kMostHalvings || 2 * half <= kSmallestSegmentM) return keep(targets);
-  fill_horizon(middle, targets, 0);
-  keep(not_hidden(targets));
-  targets = still_open(targets);
+  if (halvings >= kFirstLook) {
+    fill_horizon(middle, targets, 0);
+    keep_seen(targets);
+    targets = still_open(targets);
+  }
   prove(from, middle, targets, halvings + 1);
   prove(middle, to, targets, halvings + 1);
 }

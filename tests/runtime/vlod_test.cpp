@@ -1,0 +1,324 @@
+// View cells at run time: where the eye is, what is read, what is marked, what is drawn.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "runtime/cursor.h"
+#include "runtime/flight.h"
+#include "runtime/policy.h"
+#include "runtime/vlod_marks.h"
+#include "runtime/vlod_store.h"
+#include "tests/layout/cell_fixtures.h"
+#include "tests/runtime/forest.h"
+#include "tests/runtime/null_renderer.h"
+#include "tests/runtime/scenes.h"
+
+namespace promenade {
+namespace {
+
+using forest::Forest;
+using testing::ElementsAre, testing::IsEmpty, testing::UnorderedElementsAre;
+
+// --- cursor -------------------------------------------------------------------------------------------------------
+
+TEST(Cursor, steps_across_faces_leaves_and_returns) {
+  const CellTables tables = three_cells();
+  Cursor cursor(&tables);
+  EXPECT_EQ(cursor.move_to({1, 1, 9}), Cursor::Move::outside);
+  EXPECT_EQ(cursor.cell(), std::nullopt);
+  EXPECT_THAT(cursor.neighbours(), IsEmpty());
+  EXPECT_EQ(cursor.move_to({1, 0.5, 1}), Cursor::Move::jumped);
+  EXPECT_EQ(cursor.cell(), CellId{0});
+  EXPECT_EQ(cursor.move_to({1.9, 0.5, 1}), Cursor::Move::stayed);
+  EXPECT_THAT(cursor.neighbours(), ElementsAre(CellId{1}, CellId{2})) << "the nearest first";
+  EXPECT_EQ(cursor.move_to({2.1, 0.5, 1}), Cursor::Move::stepped);
+  EXPECT_EQ(cursor.cell(), CellId{1});
+  EXPECT_EQ(cursor.move_to({2.1, 1.5, 1}), Cursor::Move::stepped);
+  EXPECT_EQ(cursor.cell(), CellId{2});
+  EXPECT_EQ(cursor.move_to({-3, 0, 0}), Cursor::Move::left);
+  EXPECT_EQ(cursor.move_to({-3, 0, 0}), Cursor::Move::outside);
+  EXPECT_EQ(cursor.move_to({3, 1.5, 1}), Cursor::Move::jumped);
+}
+
+TEST(Cursor, without_cells_is_always_outside) {
+  Cursor cursor(nullptr);
+  EXPECT_EQ(cursor.move_to({1, 1, 1}), Cursor::Move::outside);
+}
+
+TEST(Cursor, follows_a_random_walk_as_the_tree_would) {
+  const CellTables tables = three_cells();
+  Cursor cursor(&tables);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> step(-0.4, 0.4);
+  glm::dvec3 eye(1, 1, 1);
+  for (int i = 0; i < 5000; ++i) {
+    eye = glm::clamp(eye + glm::dvec3(step(random), step(random), step(random)), glm::dvec3(-0.5), glm::dvec3(4.5));
+    cursor.move_to(eye);
+    ASSERT_EQ(cursor.cell(), cell_at(tables, eye));
+  }
+}
+
+// --- marks --------------------------------------------------------------------------------------------------------
+
+/// Whether the marks say for every node what the set says.
+void expect_marks(const VlodMarks& marks, const Model& model, const std::vector<NodeId>& nodes) {
+  std::vector<uint8_t> leads(model.tables.nodes.size(), 0);
+  for (NodeId id : nodes)
+    for (; id != kNoNode; id = model.tables.nodes[index_of(id)].parent) leads[index_of(id)] = 1;
+  for (uint32_t i = 0; i < leads.size(); ++i) {
+    ASSERT_EQ(marks.leads_to_some(NodeId{i}), leads[i] != 0) << i;
+    ASSERT_EQ(marks.has(NodeId{i}), std::binary_search(nodes.begin(), nodes.end(), NodeId{i})) << i;
+  }
+}
+
+TEST(VlodMarks, after_any_steps_are_those_of_the_last_set) {
+  Forest model;
+  model.grow(model.root({{10, -8, -1}, {10.5F, 8, 1}}, 8), 3, 4);
+  VlodMarks marks(model.model());
+  std::mt19937 random(2);
+  for (int step = 0; step < 200; ++step) {
+    // A random part of a random front.
+    std::vector<NodeId> open = {NodeId{0}}, nodes;
+    while (!open.empty()) {
+      const NodeId id = open.back();
+      open.pop_back();
+      const auto children = model.model().children_of(id);
+      if (children.empty() || random() % 4U == 0) {
+        if (random() % 3U != 0) nodes.push_back(id);
+      } else {
+        open.insert(open.end(), children.begin(), children.end());
+      }
+    }
+    std::sort(nodes.begin(), nodes.end());
+    const size_t before = marks.nodes().size();
+    const VlodMarks::Change change = marks.change_to(nodes);
+    EXPECT_EQ(before + change.entered - change.left, nodes.size());
+    expect_marks(marks, model.model(), nodes);
+  }
+  marks.change_to({});
+  expect_marks(marks, model.model(), {});
+}
+
+// --- a model with cells ---------------------------------------------------------------------------------------------
+
+/// A tree of 1 + 3 + 9 nodes with the three cells around the camera of the scenes: cell 0 sees the left and the middle
+/// ninths, the others nothing.
+struct Street : Forest {
+  Street() {
+    grow(root({{10, -8, -1}, {10.5F, 8, 1}}, 2), 3, 2);
+    tables = three_cells();
+    vlods = {{NodeId{2}, NodeId{4}, NodeId{10}}, {}, {}};
+  }
+  const CellTables* cells() const override { return has_cells ? &tables : nullptr; }
+  uint32_t vlod_nodes(CellId cell) const override { return static_cast<uint32_t>(vlods[index_of(cell)].size()); }
+  Result<Vlod> read_vlod(CellId cell) const override {
+    ++vlod_reads;
+    if (broken) return Error{"street: broken vLOD"};
+    return Vlod{vlods[index_of(cell)], 100};
+  }
+
+  CellTables tables;
+  std::vector<std::vector<NodeId>> vlods;
+  bool has_cells = true, broken = false;
+  mutable std::atomic<int> vlod_reads = 0;
+};
+
+TEST(VlodStore, reads_what_is_wanted_in_that_order_once) {
+  Street model;
+  VlodStore store(model);
+  EXPECT_FALSE(store.load_next().worked);
+  store.want(std::vector<CellId>{CellId{0}, CellId{1}});
+  EXPECT_EQ(store.find(CellId{0}), nullptr);
+  EXPECT_EQ(store.load_next().bytes, 100U);
+  ASSERT_NE(store.find(CellId{0}), nullptr);
+  EXPECT_EQ(store.find(CellId{0})->nodes, model.vlods[0]);
+  EXPECT_EQ(store.find(CellId{1}), nullptr);
+  EXPECT_TRUE(store.load_next().worked);
+  EXPECT_FALSE(store.load_next().worked);
+  store.want(std::vector<CellId>{CellId{1}, CellId{0}});
+  EXPECT_FALSE(store.load_next().worked) << "both are there";
+  EXPECT_EQ(model.vlod_reads, 2);
+}
+
+TEST(VlodStore, keeps_within_its_bound_and_the_most_important) {
+  Street model;
+  std::vector<NodeId> large(1 << 20);  // 4 MiB: two fit
+  for (uint32_t i = 0; i < large.size(); ++i) large[i] = NodeId{i};
+  model.vlods = {large, large, large};
+  VlodStore store(model);
+  store.want(std::vector<CellId>{CellId{0}, CellId{1}, CellId{2}});
+  EXPECT_TRUE(store.load_next().worked);
+  EXPECT_TRUE(store.load_next().worked);
+  EXPECT_FALSE(store.load_next().worked) << "what is there matters more";
+  store.want(std::vector<CellId>{CellId{2}, CellId{1}, CellId{0}});
+  EXPECT_TRUE(store.load_next().worked);
+  EXPECT_NE(store.find(CellId{2}), nullptr);
+  EXPECT_EQ(store.find(CellId{0}), nullptr) << "made room";
+}
+
+TEST(VlodStore, what_cannot_be_read_is_asked_for_once) {
+  Street model;
+  model.broken = true;
+  VlodStore store(model);
+  store.want(std::vector<CellId>{CellId{0}});
+  EXPECT_TRUE(store.load_next().worked);
+  EXPECT_FALSE(store.load_next().worked);
+  EXPECT_EQ(store.find(CellId{0}), nullptr);
+  EXPECT_THAT(store.failures(), ElementsAre("street: broken vLOD"));
+}
+
+// --- policies -----------------------------------------------------------------------------------------------------
+
+struct StreetView {
+  StreetView() : marks(model.model()), resident(model.model().tables.nodes.size(), 1) {
+    view.camera = scenes::looking_along_x();
+    marks.change_to(model.vlods[0]);
+    view.vlod = &marks;
+    view.cell = &model.tables.cells[0].box;
+    view.bound = &model.tables.bound;
+  }
+  const Selection& operator()(Policy policy) {
+    options.policy = policy;
+    select(model.model(), view, resident, options, state, selection);
+    return selection;
+  }
+  Street model;
+  VlodMarks marks;
+  std::vector<uint8_t> resident;
+  SelectView view;
+  SelectOptions options;
+  SelectState state;
+  Selection selection;
+};
+
+TEST(Vlod, draws_exactly_the_cells_vlod) {
+  StreetView choose;
+  EXPECT_THAT(choose(Policy::vlod).front, UnorderedElementsAre(NodeId{2}, NodeId{4}, NodeId{10}));
+  EXPECT_EQ(choose.selection.nodes_missing, 0U);
+}
+
+TEST(Vlod, does_not_ask_for_what_is_hidden) {
+  StreetView choose;
+  choose(Policy::vlod);
+  for (const PriorityUpdate& update : choose.selection.updates) EXPECT_TRUE(choose.marks.leads_to_some(update.node));
+}
+
+TEST(Vlod, missing_node_shows_its_nearest_resident_ancestor) {
+  StreetView choose;
+  choose.resident[4] = 0;
+  const NodeId parent = choose.model.model().tables.nodes[4].parent;
+  const Selection& selection = choose(Policy::vlod);
+  EXPECT_THAT(selection.front, testing::Contains(parent));
+  EXPECT_EQ(selection.nodes_missing, 1U);
+}
+
+TEST(Vlod, without_a_vlod_is_static) {
+  StreetView choose;
+  choose.view.vlod = nullptr;
+  choose.options.pixel_error = 3;
+  const std::vector<NodeId> drawn = choose(Policy::vlod).front;
+  EXPECT_EQ(drawn, choose(Policy::static_error).front);
+}
+
+TEST(Vlod, of_nothing_draws_nothing) {
+  StreetView choose;
+  choose.marks.change_to({});
+  EXPECT_THAT(choose(Policy::vlod).front, IsEmpty());
+  EXPECT_THAT(choose(Policy::vlod_time_slices).front, IsEmpty());
+}
+
+TEST(Front, is_the_cells_front_in_the_frustum) {
+  StreetView choose;
+  EXPECT_EQ(choose(Policy::front).front.size(),
+            cell_front(choose.model.model(), *choose.view.cell, one_pixel()).size());
+  choose.view.cell = nullptr;
+  choose.options.pixel_error = 1e6;
+  EXPECT_THAT(choose(Policy::front).front, ElementsAre(NodeId{0})) << "outside the cells: static";
+}
+
+TEST(VlodTimeSlices, refine_only_what_may_be_seen) {
+  StreetView choose;
+  choose.options.time.target_ms = 1000;
+  choose.options.pixel_error = 1e-3;
+  for (int i = 0; i < 40; ++i) choose(Policy::vlod_time_slices);
+  for (const NodeId drawn : choose.selection.front) {
+    bool seen = choose.marks.leads_to_some(drawn);
+    for (NodeId up = drawn; up != kNoNode; up = choose.model.model().tables.nodes[index_of(up)].parent)
+      seen = seen || choose.marks.has(up);
+    EXPECT_TRUE(seen) << index_of(drawn);
+  }
+  const Selection& selection = choose.selection;
+  EXPECT_GE(selection.front.size(), 3U);
+  // Without the vLOD everything in view is refined.
+  const size_t with = selection.front.size();
+  choose.view.vlod = nullptr;
+  for (int i = 0; i < 40; ++i) choose(Policy::vlod_time_slices);
+  EXPECT_GT(choose.selection.front.size(), with);
+}
+
+// --- flying -------------------------------------------------------------------------------------------------------
+
+FlightOptions stepped(Policy policy) {
+  FlightOptions options;
+  options.session.select.policy = policy;
+  options.session.loader_thread = false;
+  options.width_px = options.height_px = 64;
+  options.vertical_fov_deg = 90;
+  options.session.loader.memory_bytes = uint64_t(64) << 20;
+  return options;
+}
+
+/// From cell 0 into cell 1, and out.
+CameraPath walk() {
+  CameraPath path;
+  path.fps = 10;
+  path.keys = {{0, {{0.5, 0.5, 1}}}, {3, {{6.5, 0.5, 1}}}};
+  return path;
+}
+
+const FrameCallback nothing_there = [](const FrameRow&, Renderer&) -> Status { return Done{}; };
+
+TEST(FlightThroughCells, counts_cells_crossed_and_what_steps_cost) {
+  Street model;
+  model.vlods[1] = {NodeId{6}};
+  NullRenderer renderer;
+  JobMonitor monitor;
+  const Result<FlightReport> report = fly(model, renderer, walk(), stepped(Policy::vlod), nothing_there, monitor);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->totals.cells_crossed, 2U);
+  EXPECT_EQ(report->totals.delta_bytes_mean, 100);
+  EXPECT_EQ(report->totals.delta_nodes_mean, (3 + 4) / 2.0) << "three came; three went and one came";
+  EXPECT_EQ(report->totals.vlods_missing, 1U) << "the first frame's; the neighbours' are read ahead";
+  EXPECT_EQ(report->rows.front().cell, CellId{0});
+  EXPECT_EQ(report->rows.back().cell, std::nullopt);
+  EXPECT_EQ(report->loader.vlods_loaded, 3U);
+}
+
+TEST(FlightThroughCells, a_broken_vlod_leaves_the_tree) {
+  Street model, without;
+  model.broken = true, without.has_cells = false;
+  NullRenderer renderer;
+  JobMonitor monitor;
+  const auto broken = fly(model, renderer, walk(), stepped(Policy::vlod), nothing_there, monitor);
+  const auto plain = fly(without, renderer, walk(), stepped(Policy::static_error), nothing_there, monitor);
+  ASSERT_TRUE(broken && plain);
+  EXPECT_EQ(broken->rows[10].nodes_drawn, plain->rows[10].nodes_drawn);
+  EXPECT_GT(broken->totals.vlods_missing, 10U);
+}
+
+TEST(FlightThroughCells, memory_for_cells_is_within_the_bound) {
+  Street model;
+  NullRenderer renderer;
+  JobMonitor monitor;
+  for (const bool thread : {false, true}) {
+    FlightOptions options = stepped(Policy::vlod_time_slices);
+    options.session.loader_thread = thread;
+    const Result<FlightReport> report = fly(model, renderer, walk(), options, nothing_there, monitor);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_LE(report->totals.resident_bytes_peak, report->totals.memory_bytes);
+  }
+}
+
+}  // namespace
+}  // namespace promenade
