@@ -160,22 +160,17 @@ Json json_of(std::span<const NodeId> nodes) {
 
 /// The view cells altogether.
 Json json_of_cells(const CellsReader& cells) {
-  uint64_t nodes = 0, bytes = 0, sets = 0;
-  for (const VlodRecord& vlod : cells.vlods()) {
-    nodes += vlod.nodes, bytes += vlod.stored_bytes;
-    sets += vlod.base == kNoCell ? 1 : 0;
-  }
-  const double count = std::max(1.0, double(cells.vlods().size()));
+  uint64_t nodes = 0, bytes = 0;
+  const auto cell_count = static_cast<uint32_t>(cells.tables().cells.size());
+  for (uint32_t i = 0; i < cell_count; ++i) nodes += cells.vlod_nodes(CellId{i});
+  for (const VlodBlock& block : cells.blocks()) bytes += block.stored_bytes;
+  const double count = std::max(1.0, double(cell_count));
   const FrontBound& bound = cells.tables().bound;
-  return {{"cells", cells.tables().cells.size()},
-          {"faces", cells.tables().faces.size()},
-          {"portals", cells.tables().portals.size()},
-          {"pixel_error", bound.pixel_error},
-          {"focal_px", bound.scale.focal_px},
-          {"tan_corner", bound.scale.tan_corner},
-          {"vlod_nodes_mean", double(nodes) / count},
-          {"vlod_bytes_mean", double(bytes) / count},
-          {"vlods_whole", sets}};
+  return {{"cells", cells.tables().cells.size()},     {"faces", cells.tables().faces.size()},
+          {"portals", cells.tables().portals.size()}, {"pixel_error", bound.pixel_error},
+          {"focal_px", bound.scale.focal_px},         {"tan_corner", bound.scale.tan_corner},
+          {"vlod_nodes_mean", double(nodes) / count}, {"vlod_bytes_mean", double(bytes) / count},
+          {"vlod_blocks", cells.blocks().size()}};
 }
 
 /// One cell and what is seen from it. eye: world.

@@ -32,6 +32,7 @@ promenade_library(nlohmann_json HEADER nlohmann/json.hpp)
 promenade_library(fmt LIBS fmt::fmt)
 promenade_library(zstd PKG libzstd)
 promenade_library(xxhash PKG libxxhash)
+promenade_library(roaring HEADER roaring/roaring.h LIBS roaring)
 promenade_library(meshoptimizer HEADER meshoptimizer.h LIBS meshoptimizer)
 promenade_library(draco HEADER draco/compression/decode.h LIBS draco)
 # OpenImageIO's own CMake package names a header folder that its Debian package does not bring; ask for the files instead.

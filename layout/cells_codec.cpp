@@ -7,6 +7,7 @@
 
 #include "codec/byte_io.h"
 #include "codec/frame.h"
+#include "codec/id_set_block.h"
 
 namespace promenade {
 namespace {
@@ -18,8 +19,13 @@ struct SectionKind {
   const char* name;
   uint32_t entry_bytes;
 };
-constexpr std::array<SectionKind, 6> kSections = {
-    {{"tree", 16}, {"cells", 32}, {"faces", 20}, {"faces_of_cells", 4}, {"portals", 24}, {"vlods", 28}}};
+constexpr std::array<SectionKind, 7> kSections = {{{"tree", 16},
+                                                   {"cells", 32},
+                                                   {"faces", 20},
+                                                   {"faces_of_cells", 4},
+                                                   {"portals", 24},
+                                                   {"vlod_nodes", 4},
+                                                   {"vlod_blocks", 24}}};
 constexpr uint64_t kListOffset = 80;
 constexpr uint64_t kEntryBytes = 32;
 static_assert(kListOffset + kSections.size() * kEntryBytes + sizeof(uint64_t) == kCellsHeaderBytes);
@@ -34,8 +40,8 @@ void put(ByteWriter& w, const CellFace& f) {
   w.put(index_of(f.below)), w.put(index_of(f.above)), w.put(f.axis), w.put(f.first_portal), w.put(f.portal_count);
 }
 void put(ByteWriter& w, uint32_t value) { w.put(value); }
-void put(ByteWriter& w, const VlodRecord& v) {
-  w.put(v.offset), w.put(v.stored_bytes), w.put(v.nodes), w.put(index_of(v.base)), w.put(v.checksum);
+void put(ByteWriter& w, const VlodBlock& b) {
+  w.put(b.offset), w.put(b.stored_bytes), w.put(b.cells), w.put(b.checksum);
 }
 
 void get(ByteReader& r, Box& box) {
@@ -55,9 +61,9 @@ void get(ByteReader& r, CellFace& f) {
   f.first_portal = r.get<uint32_t>(), f.portal_count = r.get<uint32_t>();
 }
 void get(ByteReader& r, uint32_t& value) { value = r.get<uint32_t>(); }
-void get(ByteReader& r, VlodRecord& v) {
-  v.offset = r.get<uint64_t>(), v.stored_bytes = r.get<uint32_t>(), v.nodes = r.get<uint32_t>();
-  v.base = CellId{r.get<uint32_t>()}, v.checksum = r.get<uint64_t>();
+void get(ByteReader& r, VlodBlock& b) {
+  b.offset = r.get<uint64_t>(), b.stored_bytes = r.get<uint32_t>();
+  b.cells = r.get<uint32_t>(), b.checksum = r.get<uint64_t>();
 }
 
 /// Calls visit(kind, table) for each section in order.
@@ -68,7 +74,8 @@ void for_each_section(File& file, Visit visit) {
   visit(kSections[2], file.tables.faces);
   visit(kSections[3], file.tables.faces_of_cells);
   visit(kSections[4], file.tables.portals);
-  visit(kSections[5], file.vlods);
+  visit(kSections[5], file.vlod_nodes);
+  visit(kSections[6], file.blocks);
 }
 
 /// A section as the header lists it.
@@ -132,18 +139,27 @@ Status read_section(std::span<const std::byte> sections, uint64_t begin, const L
 }
 
 std::string find_vlod_defect(const CellsFile& file, uint64_t vlods_end) {
-  if (file.vlods.size() != file.tables.cells.size())
-    return fmt::format("{} cells with {} vLODs", file.tables.cells.size(), file.vlods.size());
-  for (size_t i = 0; i < file.vlods.size(); ++i) {
-    const VlodRecord& v = file.vlods[i];
-    if (v.offset < kCellsHeaderBytes || v.offset > vlods_end || v.stored_bytes > vlods_end - v.offset)
-      return fmt::format("vLOD {}: {} bytes @{:#x} are not between {:#x} and {:#x}", i, v.stored_bytes, v.offset,
+  if (file.vlod_nodes.size() != file.tables.cells.size())
+    return fmt::format("{} cells with {} vLODs", file.tables.cells.size(), file.vlod_nodes.size());
+  for (size_t i = 0; i < file.vlod_nodes.size(); ++i)
+    if (file.vlod_nodes[i] > file.owner.nodes)
+      return fmt::format("vLOD {}: {} of {} nodes", i, file.vlod_nodes[i], file.owner.nodes);
+  size_t cell = 0;
+  for (size_t i = 0; i < file.blocks.size(); ++i) {
+    const VlodBlock& b = file.blocks[i];
+    if (b.offset < kCellsHeaderBytes || b.offset > vlods_end || b.stored_bytes > vlods_end - b.offset)
+      return fmt::format("vLOD block {}: {} bytes @{:#x} are not between {:#x} and {:#x}", i, b.stored_bytes, b.offset,
                          kCellsHeaderBytes, vlods_end);
-    if (v.nodes > file.owner.nodes) return fmt::format("vLOD {}: {} of {} nodes", i, v.nodes, file.owner.nodes);
-    if (v.base == kNoCell) continue;
-    if (index_of(v.base) >= file.vlods.size() || file.vlods[index_of(v.base)].base != kNoCell)
-      return fmt::format("vLOD {}: its base {} is no cell with a set of its own", i, index_of(v.base));
+    if (b.cells == 0 || b.cells > kMaxSetsInBlock || b.cells > file.vlod_nodes.size() - cell)
+      return fmt::format("vLOD block {}: {} cells, at most {} are left and {} in a block", i, b.cells,
+                         file.vlod_nodes.size() - cell, kMaxSetsInBlock);
+    uint64_t ids = 0;
+    for (const size_t end = cell + b.cells; cell < end; ++cell) ids += file.vlod_nodes[cell];
+    if (b.cells > 1 && ids > kMostBlockIds)
+      return fmt::format("vLOD block {}: {} ids in {} cells, at most {}", i, ids, b.cells, kMostBlockIds);
   }
+  if (cell != file.vlod_nodes.size())
+    return fmt::format("vLOD blocks: hold {} of {} cells", cell, file.vlod_nodes.size());
   return {};
 }
 

@@ -10,13 +10,14 @@
 namespace promenade {
 
 constexpr uint32_t kCellsVersion = 1;
-constexpr uint64_t kCellsHeaderBytes = 280;
+constexpr uint64_t kCellsHeaderBytes = 312;
 
 /// What stands around the vLODs in cells.bin.
 struct CellsFile {
   CellsOwner owner;
   CellTables tables;
-  std::vector<VlodRecord> vlods;  ///< by CellId
+  std::vector<uint32_t> vlod_nodes;  ///< by CellId: how many there are
+  std::vector<VlodBlock> blocks;     ///< of all cells in order
 };
 
 struct EncodedCells {

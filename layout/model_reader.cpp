@@ -87,7 +87,9 @@ struct ModelReader::State {
     const auto named = [](const ModelManifest::File& file) { return file.name == kCellsName; };
     if (std::none_of(model.manifest.files.begin(), model.manifest.files.end(), named)) return Done{};
     const CellsOwner owner{tables_checksum, static_cast<uint32_t>(model.tables.nodes.size())};
-    Result<CellsReader> opened = CellsReader::open(folder / kCellsName, owner, file_system);
+    Result<NodeForest> forest = node_forest(model.tables);
+    if (!forest) return Error{fmt::format("{}: {}", (folder / kTablesName).string(), forest.error().message)};
+    Result<CellsReader> opened = CellsReader::open(folder / kCellsName, owner, std::move(*forest), file_system);
     if (!opened) return opened.error();
     cells.emplace(std::move(*opened));
     return Done{};
@@ -181,7 +183,7 @@ Status verify_checksums(const ModelReader& reader, JobMonitor& monitor) {
     if (!bytes) return bytes.error();
     monitor.progress("checksums", i + 1, segments.size());
   }
-  const uint32_t cells = reader.cells() != nullptr ? static_cast<uint32_t>(reader.cells()->vlods().size()) : 0;
+  const uint32_t cells = reader.cells() != nullptr ? static_cast<uint32_t>(reader.cells()->tables().cells.size()) : 0;
   for (uint32_t i = 0; i < cells; ++i) {
     if (monitor.cancelled()) return Error{"interrupted"};
     if (const Result<Vlod> vlod = reader.cells()->read_vlod(CellId{i}); !vlod) return vlod.error();

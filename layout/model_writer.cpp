@@ -80,7 +80,7 @@ struct ModelWriter::State {
   std::optional<AtomicFile> textures;
   std::vector<SegmentRecord> segments;
   StoredManifest staged;
-  uint32_t staged_nodes = 0;
+  ModelTables staged_tree;  ///< nodes, children and roots
   bool published = false;
 
   State() = default;
@@ -183,7 +183,9 @@ Status ModelWriter::stage(ModelTables tables, ModelManifest manifest) {
   PROMENADE_TRY(s.textures->commit());
   PROMENADE_TRY(write_file(s.partial / kTablesName, table_bytes, *s.files));
   s.staged = {std::move(model.manifest), checksum(table_bytes)};
-  s.staged_nodes = static_cast<uint32_t>(model.tables.nodes.size());
+  s.staged_tree.nodes = std::move(model.tables.nodes);
+  s.staged_tree.children = std::move(model.tables.children);
+  s.staged_tree.roots = std::move(model.tables.roots);
   return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
 }
 
@@ -191,8 +193,10 @@ std::filesystem::path ModelWriter::staged_folder() const { return state_->partia
 
 Status ModelWriter::add_cells(const CellTables& cells, const VlodSource& vlod_of) {
   State& s = *state_;
-  const Result<uint64_t> bytes =
-      write_cells(s.partial / kCellsName, cells, {s.staged.tables_checksum, s.staged_nodes}, vlod_of, *s.files);
+  const Result<NodeForest> forest = node_forest(s.staged_tree);
+  if (!forest) return Error{fmt::format("{}: {}", s.path.string(), forest.error().message)};
+  const CellsOwner owner{s.staged.tables_checksum, static_cast<uint32_t>(s.staged_tree.nodes.size())};
+  const Result<uint64_t> bytes = write_cells(s.partial / kCellsName, cells, owner, *forest, vlod_of, *s.files);
   if (!bytes) return bytes.error();
   std::vector<ModelManifest::File>& names = s.staged.manifest.files;
   names.insert(names.end() - 1, {kCellsName, *bytes});

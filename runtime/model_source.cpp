@@ -31,7 +31,8 @@ class ReaderSource final : public ModelSource {
   }
 
   const CellTables* cells() const override { return reader_.cells() != nullptr ? &reader_.cells()->tables() : nullptr; }
-  uint32_t vlod_nodes(CellId cell) const override { return reader_.cells()->vlods()[index_of(cell)].nodes; }
+  uint32_t vlod_nodes(CellId cell) const override { return reader_.cells()->vlod_nodes(cell); }
+  uint64_t vlod_reader_bytes() const override { return reader_.cells() != nullptr ? reader_.cells()->byte_size() : 0; }
   Result<Vlod> read_vlod(CellId cell) const override { return reader_.cells()->read_vlod(cell); }
 
  private:

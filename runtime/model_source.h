@@ -29,6 +29,8 @@ class ModelSource {
   virtual const CellTables* cells() const { return nullptr; }
   /// How many nodes a cell's vLOD has.
   virtual uint32_t vlod_nodes(CellId cell) const { return static_cast<void>(cell), 0; }
+  /// What reading vLODs keeps in memory at most, besides the tables.
+  virtual uint64_t vlod_reader_bytes() const { return 0; }
   virtual Result<Vlod> read_vlod(CellId cell) const;
 };
 

@@ -33,7 +33,7 @@ uint64_t cell_bytes(const ModelSource& source, const VlodStore& vlods) {
   uint64_t largest = 0;
   for (uint32_t i = 0; i < cells->cells.size(); ++i)
     largest = std::max<uint64_t>(largest, source.vlod_nodes(CellId{i}));
-  return cells->byte_size() + cells->cells.size() * sizeof(VlodRecord) + vlods.bound_bytes() +
+  return cells->byte_size() + source.vlod_reader_bytes() + vlods.bound_bytes() +
          source.model().tables.nodes.size() * sizeof(uint32_t) + largest * sizeof(NodeId);
 }
 

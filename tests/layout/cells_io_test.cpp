@@ -29,11 +29,11 @@ Result<std::vector<NodeId>> vlod_of_three(CellId cell) {
 
 class CellsIo : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(write_cells(path, three_cells(), kOwner, vlod_of_three)); }
+  void SetUp() override { ASSERT_TRUE(write_cells(path, three_cells(), kOwner, flat_forest(100), vlod_of_three)); }
   std::string error_of(std::span<const std::byte> bytes) {
     const auto changed = folder.path() / "changed.bin";
     EXPECT_TRUE(write_file(changed, bytes));
-    const Result<CellsReader> reader = CellsReader::open(changed, kOwner);
+    const Result<CellsReader> reader = CellsReader::open(changed, kOwner, flat_forest(100));
     if (!reader) return reader.error().message;
     for (uint32_t i = 0; i < 3; ++i)
       if (const Result<Vlod> vlod = reader->read_vlod(CellId{i}); !vlod) return vlod.error().message;
@@ -45,7 +45,7 @@ class CellsIo : public testing::Test {
 };
 
 TEST_F(CellsIo, come_back) {
-  const Result<CellsReader> reader = CellsReader::open(path, kOwner);
+  const Result<CellsReader> reader = CellsReader::open(path, kOwner, flat_forest(100));
   ASSERT_TRUE(reader) << reader.error().message;
   const CellTables due = three_cells();
   EXPECT_EQ(reader->tables().bound, due.bound);
@@ -62,14 +62,33 @@ TEST_F(CellsIo, come_back) {
   }
 }
 
-TEST_F(CellsIo, neighbours_are_told_by_their_difference) {
-  const Result<CellsReader> reader = CellsReader::open(path, kOwner);
+TEST_F(CellsIo, neighbours_are_read_together) {
+  const Result<CellsReader> reader = CellsReader::open(path, kOwner, flat_forest(100));
   ASSERT_TRUE(reader);
-  EXPECT_EQ(reader->vlods()[1].base, kNoCell);
-  EXPECT_EQ(reader->vlods()[2].base, CellId{1});
-  EXPECT_EQ(reader->vlods()[2].stored_bytes, 2U) << "one id";
-  EXPECT_EQ(reader->vlods()[0].base, kNoCell) << "nothing is shorter than any difference";
-  EXPECT_EQ(reader->read_vlod(CellId{2})->bytes_read, 2U + reader->vlods()[1].stored_bytes);
+  ASSERT_EQ(reader->blocks().size(), 1U);
+  EXPECT_EQ(reader->blocks()[0].cells, 3U);
+  EXPECT_EQ(reader->vlod_nodes(CellId{2}), 7U);
+  EXPECT_EQ(reader->read_vlod(CellId{2})->bytes_read, reader->blocks()[0].stored_bytes);
+  EXPECT_EQ(reader->read_vlod(CellId{1})->bytes_read, 0U) << "it came along";
+}
+
+TEST_F(CellsIo, nodes_keep_their_ids_whatever_their_place_in_the_tree) {
+  NodeForest forest;
+  // Node 2 is the root of 0 and 4, node 3 of 1.
+  forest.by_rank.subtree_end = {3, 2, 3, 5, 5};
+  forest.node_of_rank = {2, 4, 0, 3, 1};
+  const CellsOwner owner{kOwner.tables_checksum, 5};
+  const auto vlod_of = [](CellId cell) -> Result<std::vector<NodeId>> {
+    const std::vector<std::vector<uint32_t>> sets = {{2, 3}, {0, 3, 4}, {0, 1, 4}};
+    return nodes(sets[index_of(cell)]);
+  };
+  const auto other = folder.path() / "other.bin";
+  ASSERT_TRUE(write_cells(other, three_cells(), owner, forest, vlod_of));
+  const Result<CellsReader> reader = CellsReader::open(other, owner, forest);
+  ASSERT_TRUE(reader) << reader.error().message;
+  for (uint32_t i = 0; i < 3; ++i) EXPECT_EQ(reader->read_vlod(CellId{i})->nodes, *vlod_of(CellId{i}));
+  const auto with_ancestor = [](CellId) -> Result<std::vector<NodeId>> { return nodes({0, 2}); };
+  EXPECT_FALSE(write_cells(other, three_cells(), owner, forest, with_ancestor));
 }
 
 TEST_F(CellsIo, every_truncation_is_an_error) {
@@ -106,36 +125,36 @@ TEST_F(CellsIo, another_version_and_other_files_are_told) {
 }
 
 TEST_F(CellsIo, cells_of_another_build_are_told) {
-  const Result<CellsReader> reader = CellsReader::open(path, {kOwner.tables_checksum + 1, kOwner.nodes});
+  const Result<CellsReader> reader =
+      CellsReader::open(path, {kOwner.tables_checksum + 1, kOwner.nodes}, flat_forest(100));
   ASSERT_FALSE(reader);
   EXPECT_THAT(reader.error().message, HasSubstr("not of one build"));
 }
 
 TEST_F(CellsIo, unsound_cells_with_sound_checksums_are_told) {
   const auto decoded = [](const std::function<void(CellsFile&)>& change) {
-    CellsFile file{
-        kOwner, three_cells(), {{280, 1, 1, kNoCell, 0}, {280, 1, 1, kNoCell, 0}, {280, 1, 1, CellId{0}, 0}}};
+    CellsFile file{kOwner, three_cells(), {1, 1, 1}, {{312, 1, 2, 0}, {312, 1, 1, 0}}};
     change(file);
-    const EncodedCells encoded = encode_cells(file, 288);
-    const auto result = decode_cells(encoded.header, encoded.sections, 288 + encoded.sections.size());
+    const EncodedCells encoded = encode_cells(file, 320);
+    const auto result = decode_cells(encoded.header, encoded.sections, 320 + encoded.sections.size());
     return result ? "" : result.error().message;
   };
   EXPECT_THAT(decoded([](CellsFile&) {}), IsEmpty());
   EXPECT_THAT(decoded([](CellsFile& f) { f.tables.tree[2].below = 0; }), HasSubstr("tree node 2"));
-  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods.pop_back(); }), HasSubstr("3 cells with 2 vLODs"));
-  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods[0].offset = 279; }), HasSubstr("vLOD 0"));
-  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods[0].stored_bytes = 9; }), HasSubstr("vLOD 0"));
-  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods[1].nodes = 101; }), HasSubstr("vLOD 1: 101 of 100 nodes"));
-  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods[1].base = CellId{3}; }), HasSubstr("vLOD 1: its base 3"));
-  EXPECT_THAT(decoded([](CellsFile& f) { f.vlods[1].base = CellId{2}; }), HasSubstr("vLOD 1: its base 2"))
-      << "no chains, no circles";
+  EXPECT_THAT(decoded([](CellsFile& f) { f.vlod_nodes.pop_back(); }), HasSubstr("3 cells with 2 vLODs"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.vlod_nodes[1] = 101; }), HasSubstr("vLOD 1: 101 of 100 nodes"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.blocks[0].offset = 311; }), HasSubstr("vLOD block 0"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.blocks[0].stored_bytes = 9; }), HasSubstr("vLOD block 0"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.blocks[1].cells = 2; }), HasSubstr("vLOD block 1: 2 cells, at most 1"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.blocks[1].cells = 0; }), HasSubstr("vLOD block 1: 0 cells"));
+  EXPECT_THAT(decoded([](CellsFile& f) { f.blocks.pop_back(); }), HasSubstr("hold 2 of 3 cells"));
 }
 
 TEST_F(CellsIo, sets_that_do_not_ascend_are_refused) {
   const auto twice = [](CellId) -> Result<std::vector<NodeId>> { return nodes({4, 4}); };
-  EXPECT_FALSE(write_cells(folder.path() / "other.bin", three_cells(), kOwner, twice));
+  EXPECT_FALSE(write_cells(folder.path() / "other.bin", three_cells(), kOwner, flat_forest(100), twice));
   const auto beyond = [](CellId) -> Result<std::vector<NodeId>> { return nodes({100}); };
-  EXPECT_FALSE(write_cells(folder.path() / "other.bin", three_cells(), kOwner, beyond));
+  EXPECT_FALSE(write_cells(folder.path() / "other.bin", three_cells(), kOwner, flat_forest(100), beyond));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "other.bin"));
 }
 

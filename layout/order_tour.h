@@ -1,0 +1,35 @@
+#pragma once
+// Columns in the order of a short tour in the Hamming metric, so that rows have few runs. Source: [chhugani2003]
+// section 3; D. S. Johnson and L. A. McGeoch, The traveling salesman problem: a case study, 1997.
+
+#include <cstdint>
+
+#include "layout/incidence.h"
+#include "layout/order_neighbours.h"
+
+namespace promenade {
+
+struct TourOptions {
+  NeighbourOptions neighbours;
+  uint32_t passes = 8;  ///< of 2-opt and Or-opt over all columns, at most. Each takes time in proportion to them
+  uint64_t longest_turn = 25000;  ///< columns that a step of 2-opt may turn round. More: shorter tours, far more time
+};
+
+/// What the parts took and gained.
+struct TourFigures {
+  double neighbours_s = 0, seed_s = 0, improve_s = 0;
+  uint64_t distinct_columns = 0;  ///< columns that are equal stand together from the beginning
+  uint64_t runs_of_seed = 0, runs_after_pass_1 = 0, runs = 0;
+  uint32_t passes = 0;
+};
+
+/// Greedy tour over near neighbours, improved by 2-opt and Or-opt with neighbour lists. Deterministic, whatever the
+/// number of threads.
+ColumnOrder tour_order(const Incidence& matrix, const TourOptions& options, TourFigures* figures = nullptr);
+
+/// A lower bound on the runs of any order: half the length of the best 1-tree over the distinct columns and an empty
+/// one, after `steps` of the subgradient method (M. Held and R. M. Karp, 1971). Time in proportion to the square of
+/// the distinct columns. 0: more than most_columns of these.
+uint64_t lower_bound_of_runs(const Incidence& matrix, uint32_t steps = 30, uint32_t most_columns = 3000);
+
+}  // namespace promenade
