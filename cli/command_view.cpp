@@ -24,6 +24,7 @@ Status run_view(const ViewArguments& arguments, Json& figures) {
   ViewerOptions options;
   options.session = arguments.view.session;
   options.session.background = background_of(arguments.view);
+  options.renderer = arguments.view.renderer;
   options.width_px = arguments.view.size.width;
   options.height_px = arguments.view.size.height;
   options.vertical_fov_deg = arguments.view.vertical_fov_deg;
@@ -49,6 +50,7 @@ Command add_view(CLI::App& program) {
                   "Where to start: x,y,z,yaw,pitch in metres and degrees (default: before the model)");
   app->add_option("--folder", arguments->folder, "Where screenshots and recorded paths go")->capture_default_str();
   add_camera_options(*app, arguments->view);
+  add_renderer_option(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::time_slices, uint64_t(256) << 20);
   app->footer(
       "Keys: left mouse button look; W A S D, arrows, space, C move; Q E roll; wheel speed; F straighten; H panel; P "

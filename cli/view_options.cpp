@@ -49,10 +49,14 @@ void add_pose_option(CLI::App& app, std::optional<Pose>& pose, const std::string
       help);
 }
 
-void add_renderer_options(CLI::App& app, ViewOptions& options) {
+void add_renderer_option(CLI::App& app, ViewOptions& options) {
   add_parsed<RendererKind>(app, "--renderer", options.renderer, parse_renderer,
                            "gl (OpenGL), cpu (the visibility buffer), auto: gl on a GPU, else cpu")
       ->default_str("auto");
+}
+
+void add_renderer_options(CLI::App& app, ViewOptions& options) {
+  add_renderer_option(app, options);
   add_parsed<OffscreenKind>(app, "--offscreen", options.offscreen, parse_offscreen,
                             "OpenGL without a display: osmesa (CPU), egl (GPU), automatic")
       ->default_str("automatic");

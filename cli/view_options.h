@@ -16,10 +16,6 @@
 
 namespace promenade {
 
-/// Who draws: OpenGL, the CPU visibility buffer, or OpenGL where there is a GPU and the visibility buffer where there
-/// is none.
-enum class RendererKind : uint8_t { automatic, gl, cpu };
-
 struct ViewOptions {
   PixelSize size;
   double vertical_fov_deg = 60;
@@ -34,6 +30,8 @@ struct ViewOptions {
 void add_camera_options(CLI::App& app, ViewOptions& options);
 /// --camera x,y,z,yaw,pitch.
 void add_pose_option(CLI::App& app, std::optional<Pose>& pose, const std::string& help);
+/// --renderer.
+void add_renderer_option(CLI::App& app, ViewOptions& options);
 /// --renderer, --offscreen.
 void add_renderer_options(CLI::App& app, ViewOptions& options);
 /// --policy, --pixel-error, --memory, --target-ms, --disk-*, and the policies' constants.

@@ -70,6 +70,7 @@ namespace promenade {
   X(sampler_parameteri, PFNGLSAMPLERPARAMETERIPROC, "glSamplerParameteri")                     \
   X(shader_source, PFNGLSHADERSOURCEPROC, "glShaderSource")                                    \
   X(tex_image_2d, PFNGLTEXIMAGE2DPROC, "glTexImage2D")                                         \
+  X(tex_sub_image_2d, PFNGLTEXSUBIMAGE2DPROC, "glTexSubImage2D")                               \
   X(tex_parameteri, PFNGLTEXPARAMETERIPROC, "glTexParameteri")                                 \
   X(uniform_1f, PFNGLUNIFORM1FPROC, "glUniform1f")                                             \
   X(uniform_1i, PFNGLUNIFORM1IPROC, "glUniform1i")                                             \

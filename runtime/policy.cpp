@@ -12,6 +12,9 @@ namespace {
 constexpr double kFirstMsPerCost = 2e-4;
 /// Frames that the estimate without feedback is taken from: one alone may hold a page fault or a shader's compilation.
 constexpr uint32_t kFirstFrames = 10;
+/// While detail streams in, a frame's time is mostly its pixels', which the few triangles there would be charged with.
+/// Frames with everything in place are waited for; where memory never holds everything, no longer than this.
+constexpr uint32_t kStreamingFrames = 90;
 constexpr uint32_t kNoVisit = 0xffffffffU;
 
 /// What of the view does not depend on the node.
@@ -356,7 +359,8 @@ void select(const Model& model, const SelectView& view, std::span<const uint8_t>
 
 void feed_back(const Selection& selection, double draw_ms, double frame_ms, const TimeSliceOptions& options,
                SelectState& state) {
-  if (selection.cost > 0) {
+  const bool is_whole = selection.nodes_missing == 0;
+  if (selection.cost > 0 && (is_whole || state.frame > kStreamingFrames)) {
     const double measured = std::max(draw_ms - state.overhead_ms, 0.0) / selection.cost;
     if (state.measured_frames < kFirstFrames) {
       ++state.measured_frames;

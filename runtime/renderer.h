@@ -1,6 +1,6 @@
 #pragma once
 // What draws: meshes and textures in, pictures out. Behind this interface stand OpenGL (gl_renderer.h) and the CPU
-// visibility buffer of raster/ (cpu_renderer.h).
+// visibility buffer (cpu_renderer.h).
 
 #include <cstdint>
 #include <glm/mat4x4.hpp>
@@ -14,6 +14,10 @@
 #include "geometry/result.h"
 
 namespace promenade {
+
+/// Who draws: OpenGL, the CPU visibility buffer, or OpenGL where there is a GPU and the visibility buffer where there
+/// is none.
+enum class RendererKind : uint8_t { automatic, gl, cpu };
 
 /// Names of what a renderer holds. A handle is used by the renderer that gave it and, once destroyed, never again.
 enum class TextureHandle : uint32_t {};

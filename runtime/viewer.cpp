@@ -2,8 +2,6 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <backends/imgui_impl_glfw.h>
-#include <backends/imgui_impl_opengl3.h>
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -14,9 +12,11 @@
 #include "codec/image_codec.h"
 #include "geometry/path.h"
 #include "layout/file_io.h"
+#include "runtime/cpu_renderer.h"
 #include "runtime/gl_renderer.h"
 #include "runtime/gl_window.h"
 #include "runtime/motion.h"
+#include "runtime/panels.h"
 
 namespace promenade {
 namespace {
@@ -52,39 +52,31 @@ DBox box_of(const Model& model) {
   return box;
 }
 
-/// Dear ImGui for as long as it lives.
-class Panels {
- public:
-  explicit Panels(GLFWwindow* window) {
-    IMGUI_CHECKVERSION();
-    ImGui::CreateContext();
-    ImGui::GetIO().IniFilename = nullptr;  // leave no file behind
-    ImGui_ImplGlfw_InitForOpenGL(window, true);
-    ImGui_ImplOpenGL3_Init("#version 330 core");
-  }
-  Panels(const Panels&) = delete;
-  Panels& operator=(const Panels&) = delete;
-  ~Panels() {
-    ImGui_ImplOpenGL3_Shutdown();
-    ImGui_ImplGlfw_Shutdown();
-    ImGui::DestroyContext();
-  }
-  static void begin() {
-    ImGui_ImplOpenGL3_NewFrame();
-    ImGui_ImplGlfw_NewFrame();
-    ImGui::NewFrame();
-  }
-  static void end() {
-    ImGui::Render();
-    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-  }
+/// Who draws into a window.
+struct WindowRenderer {
+  std::unique_ptr<Renderer> renderer;
+  GlRenderer* gl = nullptr;  ///< the same, if it draws with the window's OpenGL
 };
+
+Result<WindowRenderer> make_renderer(RendererKind kind, GlWindow& window) {
+  const bool on_cpu = kind == RendererKind::cpu || (kind == RendererKind::automatic && window.is_software());
+  WindowRenderer drawing;
+  if (on_cpu) {
+    drawing.renderer = create_cpu_renderer();
+    return drawing;
+  }
+  Result<std::unique_ptr<GlRenderer>> renderer = create_gl_renderer(window);
+  if (!renderer) return renderer.error();
+  drawing.gl = renderer->get();
+  drawing.renderer = std::move(*renderer);
+  return drawing;
+}
 
 class Viewer {
  public:
-  Viewer(const ModelSource& source, const ViewerOptions& options, GlWindow& window, GlRenderer& renderer,
+  Viewer(const ModelSource& source, const ViewerOptions& options, GlWindow& window, const WindowRenderer& drawing,
          Session& session)
-      : options_(options), window_(window), renderer_(renderer), session_(session), panels_(window.handle()) {
+      : options_(options), window_(window), drawing_(drawing), session_(session), panels_(window) {
     const DBox box = box_of(source.model());
     camera_.vertical_fov_deg = options.vertical_fov_deg;
     camera_.near_m = options.near_m;
@@ -98,6 +90,7 @@ class Viewer {
   void read_keys(double dt_s);
   bool pressed(int key);
   void record(double t_s);
+  Status present();
   Status screenshot();
   Status stop_recording();
   void draw_panel(const FrameRow& row);
@@ -105,7 +98,7 @@ class Viewer {
 
   const ViewerOptions& options_;
   GlWindow& window_;
-  GlRenderer& renderer_;
+  const WindowRenderer& drawing_;
   Session& session_;
   Panels panels_;
   Camera camera_;
@@ -179,8 +172,19 @@ Status Viewer::stop_recording() {
   return Done{};
 }
 
+Status Viewer::present() {
+  if (drawing_.gl != nullptr) {
+    drawing_.gl->present(camera_.width_px, camera_.height_px);
+    return Done{};
+  }
+  const Result<Image> picture = drawing_.renderer->read_color();
+  if (!picture) return picture.error();
+  panels_.show(*picture);
+  return Done{};
+}
+
 Status Viewer::screenshot() {
-  const Result<Image> image = renderer_.read_color();
+  const Result<Image> image = drawing_.renderer->read_color();
   if (!image) return image.error();
   const Result<std::vector<std::byte>> png = encode_image(*image, ImageFormat::png);
   if (!png) return png.error();
@@ -230,13 +234,16 @@ void Viewer::draw_panel(const FrameRow& row) {
               static_cast<unsigned long long>(counts.reads), static_cast<unsigned long long>(counts.nodes_loaded),
               static_cast<unsigned long long>(counts.nodes_evicted));
   const Pose& p = camera_.pose;
-  ImGui::Text("eye %.2f %.2f %.2f  yaw %.1f pitch %.1f roll %.1f", p.eye.x, p.eye.y, p.eye.z, p.yaw_deg, p.pitch_deg,
+  ImGui::Text("eye %.2f %.2f %.2f\nyaw %.1f  pitch %.1f  roll %.1f", p.eye.x, p.eye.y, p.eye.z, p.yaw_deg, p.pitch_deg,
               p.roll_deg);
   ImGui::Text("speed %.2f m/s%s", speed_m_per_s_, recording_ ? "  RECORDING" : "");
   draw_settings();
   if (!message_.empty()) ImGui::TextUnformatted(message_.c_str());
+  ImGui::PushTextWrapPos();
   ImGui::TextDisabled(
-      "drag: look  WASD, arrows, space, C: move  Q E: roll\nwheel: speed  F: straighten  P: picture  R: record");
+      "drag: look   WASD, arrows, space, C: move   Q E: roll   wheel: speed   F: straighten   P: picture   R: record   "
+      "H: hide this   Esc: quit");
+  ImGui::PopTextWrapPos();
   ImGui::End();
 }
 
@@ -247,7 +254,7 @@ Result<ViewerReport> Viewer::run() {
     const double now_s = std::chrono::duration<double>(Clock::now() - begin).count();
     const double dt_s = std::min(now_s - last_s, kLongestStepS);
     last_s = now_s;
-    Panels::begin();
+    panels_.begin();
     read_keys(dt_s);
     record(now_s);
     camera_.width_px = window_.width_px();
@@ -267,9 +274,9 @@ Result<ViewerReport> Viewer::run() {
       else if (const Status status = stop_recording(); !status)
         message_ = status.error().message;
     }
-    renderer_.present(camera_.width_px, camera_.height_px);
+    PROMENADE_TRY(present());
     if (panel_) draw_panel(*row);
-    Panels::end();
+    panels_.end();
     window_.swap_and_poll();
   }
   if (recording_) PROMENADE_TRY(stop_recording());
@@ -282,13 +289,13 @@ Result<ViewerReport> Viewer::run() {
 Result<ViewerReport> view(const ModelSource& source, const ViewerOptions& options) {
   Result<std::unique_ptr<GlWindow>> window = create_gl_window(options.title, options.width_px, options.height_px);
   if (!window) return window.error();
-  Result<std::unique_ptr<GlRenderer>> renderer = create_gl_renderer(**window);
-  if (!renderer) return renderer.error();
+  const Result<WindowRenderer> drawing = make_renderer(options.renderer, **window);
+  if (!drawing) return drawing.error();
   SessionOptions session_options = options.session;
-  session_options.frame_bytes = (*renderer)->frame_bytes((*window)->width_px(), (*window)->height_px());
-  Result<Session> session = Session::open(source, **renderer, session_options);
+  session_options.frame_bytes = drawing->renderer->frame_bytes((*window)->width_px(), (*window)->height_px());
+  Result<Session> session = Session::open(source, *drawing->renderer, session_options);
   if (!session) return session.error();
-  return Viewer(source, options, **window, **renderer, *session).run();
+  return Viewer(source, options, **window, *drawing, *session).run();
 }
 
 }  // namespace promenade

@@ -13,6 +13,7 @@ namespace promenade {
 
 struct ViewerOptions {
   SessionOptions session;
+  RendererKind renderer = RendererKind::automatic;
   uint32_t width_px = 1280, height_px = 720;
   double vertical_fov_deg = 60;
   double near_m = 0.1;

@@ -83,9 +83,12 @@ TEST(Viewer, draws_in_a_window_where_there_is_a_display) {
   ViewerOptions options;
   options.max_frames = 5;
   options.start = Pose{};
-  const Result<ViewerReport> report = view(model, options);
-  ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(report->frames, 5U);
+  for (const RendererKind kind : {RendererKind::gl, RendererKind::cpu, RendererKind::automatic}) {
+    options.renderer = kind;
+    const Result<ViewerReport> report = view(model, options);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report->frames, 5U);
+  }
 }
 
 }  // namespace

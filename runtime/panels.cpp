@@ -1,0 +1,54 @@
+#include "runtime/panels.h"
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+namespace promenade {
+
+Panels::Panels(GlWindow& window) : gl_(window.functions()) {
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;  // leave no file behind
+  ImGui_ImplGlfw_InitForOpenGL(window.handle(), true);
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+}
+
+Panels::~Panels() {
+  gl_.delete_textures(1, &texture_);
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+}
+
+void Panels::begin() {
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+}
+
+void Panels::end() {
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void Panels::show(const Image& picture) {
+  if (texture_ == 0) gl_.gen_textures(1, &texture_);
+  gl_.bind_texture(GL_TEXTURE_2D, texture_);
+  gl_.pixel_storei(GL_UNPACK_ALIGNMENT, 1);
+  const auto width = static_cast<GLsizei>(picture.width), height = static_cast<GLsizei>(picture.height);
+  if (picture.width == width_px_ && picture.height == height_px_) {
+    gl_.tex_sub_image_2d(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, picture.pixels.data());
+  } else {
+    gl_.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl_.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    // Bytes as they are: neither the texture nor the window's framebuffer converts.
+    gl_.tex_image_2d(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, picture.pixels.data());
+    width_px_ = picture.width, height_px_ = picture.height;
+  }
+  gl_.bind_texture(GL_TEXTURE_2D, 0);
+  ImGui::GetBackgroundDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture_)), {0, 0},
+                                           ImGui::GetIO().DisplaySize);
+}
+
+}  // namespace promenade
