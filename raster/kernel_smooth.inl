@@ -200,18 +200,34 @@ struct Rows {
   const int32_t* row[3];
 };
 
-/// The pixels from x on that differ from a neighbour both in triangle and in colour.
+/// The pixels from x on that are to be smoothed: they differ from a neighbour both in triangle and in colour, and show
+/// the sky or a triangle that two of their neighbours show, too. Where every pixel has a triangle of its own there is
+/// no edge to find, and it would cost the most.
 PROMENADE_INLINE uint32_t edges_among(const Rows& id, const Rows& color, int32_t x, int32_t least) {
-  const I own = load(id.row[1] + x);
-  const M left = equal(own, load(id.row[1] + x - 1)), right = equal(own, load(id.row[1] + x + 1));
-  const M above = equal(own, load(id.row[0] + x)), below = equal(own, load(id.row[2] + x));
-  if (bits(left & right & above & below) == (1U << kLanes) - 1U) return 0;
-  const I here = load(color.row[1] + x), none = splat(0);
-  const I l = select(left, none, difference(here, load(color.row[1] + x - 1)));
-  const I r = select(right, none, difference(here, load(color.row[1] + x + 1)));
-  const I a = select(above, none, difference(here, load(color.row[0] + x)));
-  const I b = select(below, none, difference(here, load(color.row[2] + x)));
-  return bits(max(max(l, r), max(a, b)) > splat(least - 1));
+  const I own = load(id.row[1] + x), none = splat(0), one = splat(1);
+  const I sides[4] = {load(id.row[1] + x - 1), load(id.row[1] + x + 1), load(id.row[0] + x), load(id.row[2] + x)};
+  I same = none;
+  for (const I& side : sides) same = same + select(equal(own, side), one, none);
+  const M to_do = (same < splat(4)) & ((same > one) | equal(own, splat(static_cast<int32_t>(kNoSurface))));
+  if (bits(to_do) == 0) return 0;
+  const I here = load(color.row[1] + x);
+  const I colors[4] = {load(color.row[1] + x - 1), load(color.row[1] + x + 1), load(color.row[0] + x),
+                       load(color.row[2] + x)};
+  I most = none;
+  for (int i = 0; i < 4; ++i) most = max(most, select(equal(own, sides[i]), none, difference(here, colors[i])));
+  return bits(to_do & (most > splat(least - 1)));
+}
+
+/// A pixel of the middle row and its neighbours.
+PROMENADE_INLINE Five five_at(const Rows& id, const Rows& color, int32_t x) {
+  const int32_t at[5] = {x, x - 1, x + 1, x, x};
+  const int line[5] = {1, 1, 1, 0, 2};
+  Five five;
+  for (int k = 0; k < 5; ++k) {
+    five.id[k] = static_cast<uint32_t>(id.row[line[k]][at[k]]);
+    five.color[k] = color.row[line[k]][at[k]];
+  }
+  return five;
 }
 
 void smooth_row(const Frame& f, const Shading& s, const Smoothing& smoothing, int32_t ty) {
@@ -224,24 +240,20 @@ void smooth_row(const Frame& f, const Shading& s, const Smoothing& smoothing, in
     lay_out_ids(f, ty * kTile + i - 1, ids[i]);
     lay_out_colors(f, smoothing.in, ty * kTile + i - 1, colors[i]);
   }
-  for (int i = 1; i <= kTile && ty * kTile + i - 1 < f.height; ++i) {
-    const int32_t y = ty * kTile + i - 1;
-    const Rows id = {{ids[i - 1], ids[i], ids[i + 1]}}, color = {{colors[i - 1], colors[i], colors[i + 1]}};
-    uint32_t* out = smoothing.out + static_cast<Int64>(y) * f.width;
-    __builtin_memcpy(out, colors[i], static_cast<uint64_t>(f.width) * 4);
-    for (int32_t x = 0; x < f.width; x += kLanes) {
+  const int32_t rows = min_of(kTile, f.height - ty * kTile);
+  uint32_t* out = smoothing.out + static_cast<Int64>(ty) * kTile * f.width;
+  __builtin_memcpy(out, smoothing.in + static_cast<Int64>(ty) * kTile * f.width,
+                   static_cast<uint64_t>(f.width) * static_cast<uint64_t>(rows) * 4);
+  // Column by column, so that the rows of a triangle find it among those met last.
+  for (int32_t x = 0; x < f.width; x += kLanes) {
+    for (int32_t i = 1; i <= rows; ++i) {
+      const Rows id = {{ids[i - 1], ids[i], ids[i + 1]}}, color = {{colors[i - 1], colors[i], colors[i + 1]}};
       uint32_t edges = edges_among(id, color, x, smoothing.least_difference);
       if (f.width - x < kLanes) edges &= (1U << (f.width - x)) - 1U;
       for (; edges != 0; edges &= edges - 1) {
         const int32_t p = x + __builtin_ctz(edges);
-        const int32_t at[5] = {p, p - 1, p + 1, p, p};
-        const int line[5] = {1, 1, 1, 0, 2};
-        Five five;
-        for (int k = 0; k < 5; ++k) {
-          five.id[k] = static_cast<uint32_t>(id.row[line[k]][at[k]]);
-          five.color[k] = color.row[line[k]][at[k]];
-        }
-        out[p] = static_cast<uint32_t>(smoothed_pixel(f, s, triangles, five, p, y));
+        out[static_cast<Int64>(i - 1) * f.width + p] =
+            static_cast<uint32_t>(smoothed_pixel(f, s, triangles, five_at(id, color, p), p, ty * kTile + i - 1));
       }
     }
   }

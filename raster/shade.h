@@ -23,10 +23,10 @@ struct ShadeOptions {
   bool textures = true;  ///< false: materials' and vertices' colours only
   /// Most samples along a texture's footprint where it is longer than wide, 1 to 16; 1: trilinear only. Costs only
   /// where a textured surface is seen at a slant.
-  float anisotropy = 4;
+  float anisotropy = 2;
   /// smooth_edges: least difference (of a channel, sRGB, 1 to 255) between pixels of different triangles for their
   /// border to be smoothed. Smaller: smoother, dearer.
-  int edge_difference = 12;
+  int edge_difference = 16;
 
   // Light; linear colours.
   glm::vec3 to_sun{0.40F, -0.55F, 0.73F};  ///< model space; need not be unit

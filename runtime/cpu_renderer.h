@@ -13,7 +13,7 @@ struct CpuRendererOptions {
   Simd simd = Simd::best;  ///< nor on this
   /// Antialias the borders between triangles (raster/shade.h, smooth_edges); costs about a tenth of a street's frame.
   bool smooth_edges = true;
-  float anisotropy = 4;  ///< most samples along a slanted texel footprint; 1: off
+  float anisotropy = 2;  ///< most samples along a slanted texel footprint; 1: off
 };
 
 /// Differs from OpenGL's pictures in this: edges are smoothed; light is evaluated at corners; of what is seen through
