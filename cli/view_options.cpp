@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "layout/file_io.h"
+#include "runtime/calibration.h"
 #include "runtime/cpu_renderer.h"
 
 namespace promenade {
@@ -70,7 +71,7 @@ void add_pose_option(CLI::App& app, std::optional<Pose>& pose, const std::string
 
 void add_renderer_option(CLI::App& app, ViewOptions& options) {
   add_parsed<RendererKind>(app, "--renderer", options.renderer, parse_renderer,
-                           "gl (OpenGL), cpu (the visibility buffer), auto: gl on a GPU, else cpu")
+                           "gl (OpenGL), cpu (the visibility buffer), auto: the faster one here, measured once")
       ->default_str("auto");
 }
 
@@ -141,18 +142,52 @@ Result<OffscreenRenderer> gl_renderer_on(std::unique_ptr<GlContext> context) {
   return OffscreenRenderer{std::move(context), std::move(*renderer), std::move(description)};
 }
 
+OffscreenRenderer on_the_cpu(const std::string& why) {
+  return {nullptr, create_cpu_renderer(), "cpu: visibility buffer" + why};
+}
+
+/// Both renderers, a few frames each.
+Result<Calibration> measure_both(OffscreenKind offscreen) {
+  Result<std::unique_ptr<GlContext>> context = create_offscreen_context(offscreen);
+  if (!context) return context.error();
+  const Result<OffscreenRenderer> gl = gl_renderer_on(std::move(*context));
+  if (!gl) return gl.error();
+  const Result<double> gl_ms = calibration_frame_ms(*gl->renderer);
+  if (!gl_ms) return gl_ms.error();
+  const Result<double> cpu_ms = calibration_frame_ms(*create_cpu_renderer());
+  if (!cpu_ms) return cpu_ms.error();
+  return Calibration{*gl_ms, *cpu_ms, gl->description, false};
+}
+
+/// The faster one on this machine, and why in its description.
+Result<OffscreenRenderer> faster_renderer(OffscreenKind offscreen) {
+  const std::filesystem::path file = calibration_file();
+  const Result<Calibration> known = calibrated(file, calibration_machine(std::string(name_of(offscreen))),
+                                               [offscreen] { return measure_both(offscreen); });
+  if (!known) return on_the_cpu(fmt::format(" (auto: no OpenGL: {})", known.error().message));
+  const std::string why =
+      fmt::format(" (auto: a frame takes {:.1f} ms on the CPU, {:.1f} ms with {}; {})", known->cpu_ms, known->gl_ms,
+                  known->gl, known->stored ? "stored in " + file.string() : "measured now");
+  if (known->cpu_ms <= known->gl_ms) return on_the_cpu(why);
+  Result<std::unique_ptr<GlContext>> context = create_offscreen_context(offscreen);
+  if (!context) return on_the_cpu(fmt::format(" (auto: OpenGL is gone: {})", context.error().message));
+  Result<OffscreenRenderer> gl = gl_renderer_on(std::move(*context));
+  if (gl) gl->description += why;
+  return gl;
+}
+
 }  // namespace
 
 Result<OffscreenRenderer> make_offscreen_renderer(const ViewOptions& options) {
-  if (options.renderer != RendererKind::cpu) {
+  if (options.renderer == RendererKind::cpu) return on_the_cpu("");
+  if (options.renderer == RendererKind::gl) {
     Result<std::unique_ptr<GlContext>> context = create_offscreen_context(options.offscreen);
-    // The visibility buffer draws the same picture several times faster than OpenGL in software
-    // (tests/bench/bench_raster).
-    if (context && (options.renderer == RendererKind::gl || (*context)->kind() != "osmesa"))
-      return gl_renderer_on(std::move(*context));
-    if (options.renderer == RendererKind::gl) return context.error();
+    if (!context) return context.error();
+    return gl_renderer_on(std::move(*context));
   }
-  return OffscreenRenderer{nullptr, create_cpu_renderer(), "cpu: visibility buffer"};
+  Result<OffscreenRenderer> chosen = faster_renderer(options.offscreen);
+  if (chosen) fmt::print(stderr, "renderer: {}\n", chosen->description);
+  return chosen;
 }
 
 Result<CameraPath> read_path(const std::filesystem::path& file) {

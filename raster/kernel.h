@@ -15,7 +15,8 @@ constexpr int32_t kLanePadding = 16;  ///< arrays of a block start at, and are f
 constexpr uint32_t kNoSurface = 0xffffffffU;
 constexpr uint32_t kMaxMipLevels = 16;
 
-enum class Coverage : uint8_t { center, inner, outer };
+/// probe: as outer, but nothing is written; whether a pixel would be is noted (Region::found).
+enum class Coverage : uint8_t { center, inner, outer, probe };
 
 enum BlockFlag : uint8_t {
   block_two_sided = 1,
@@ -77,10 +78,12 @@ struct Item {
   // metres.
   float rows[3][3];
   float eye_hi[3], eye_lo[3];
-  float axis[3];            ///< view axis in the mesh's frame; orthographic facing only
-  float model_rows[3][4];   ///< model space from the mesh's; shading only
-  float normal_rows[3][3];  ///< model space's normals from the mesh's
-  bool placed;              ///< model_rows is not the identity
+  float axis[3];             ///< view axis in the mesh's frame; orthographic facing only
+  float model_rows[3][4];    ///< model space from the mesh's; shading only
+  float normal_rows[3][3];   ///< model space's normals from the mesh's
+  float fade_from, fade_to;  ///< drawn where the threshold of the 8 x 8 pattern lies in [from, to)
+  bool fading;               ///< that is not everywhere
+  bool placed;               ///< model_rows is not the identity
   bool mirrored;
 };
 
@@ -102,8 +105,14 @@ struct Frame {
   float clear_z;
   bool orthographic;
   bool cull_hidden;
-  bool cull_back;  ///< false: every mesh is drawn from both sides
-  bool draw_blended;
+  bool cull_back;     ///< false: every mesh is drawn from both sides
+  bool draw_solid;    ///< what is not seen through
+  bool draw_blended;  ///< what is
+  bool screen_door;   ///< what is seen through takes its share of the pixels; otherwise all of them: a layer
+
+  // Layers of what is seen through: only what lies behind this picture; null: no matter where.
+  const float* before_z;
+  const uint32_t* before_id;
 };
 
 struct Counts {
@@ -117,6 +126,8 @@ struct Region {
   int32_t stride;
   float* hz;  ///< farthest depth of each tile, or farther
   uint8_t* dirty;
+  bool read_only;  ///< probe: several threads may ask at once
+  bool found;      ///< probe: something may be seen
   Counts counts;
 };
 
@@ -135,7 +146,25 @@ struct Shading {
   bool has_sky;
   bool has_textures;
   bool orthographic;
-  uint32_t* out;  ///< RGBA8, rows of the picture's width
+  float anisotropy;  ///< most samples along a texture's footprint, >= 1
+  uint32_t* out;     ///< RGBA8, rows of the picture's width
+};
+
+/// A layer of what is seen through, over a picture.
+struct Layer {
+  const float* z;
+  const uint32_t* id;
+};
+
+constexpr int32_t kSmoothRows = 20, kSmoothPadding = 48;
+
+/// Edges of the picture `in` smoothed into `out`; both RGBA8, rows of the picture's width.
+struct Smoothing {
+  const uint32_t* in;
+  uint32_t* out;
+  int32_t* room;             ///< for kSmoothRows rows of `stride`
+  int32_t stride;            ///< at least the picture's width and kSmoothPadding
+  int32_t least_difference;  ///< of any channel, for a pixel border to be smoothed
 };
 
 /// One processor's kernels.
@@ -143,8 +172,12 @@ struct Kernels {
   int lanes;
   BoxPicture (*project_box)(const Frame&, const Item&, const float* center, const float* half);
   void (*clear)(const Frame&, Region&);
+  void (*clear_layer)(const Frame&, Region&);
   void (*draw)(const Frame&, const Item&, const BoxPicture& item_box, Region&, Coverage);
   void (*shade)(const Frame&, const Shading&, int32_t tile_row);
+  /// Blends layers, the nearest first, over the picture that shade left.
+  void (*shade_layers)(const Frame&, const Shading&, const Layer*, int32_t count, int32_t tile_row);
+  void (*smooth)(const Frame&, const Shading&, const Smoothing&, int32_t tile_row);
 };
 
 const Kernels& portable_kernels();

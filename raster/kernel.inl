@@ -14,6 +14,8 @@ constexpr int32_t kSmallExtent = 64 * kSubpixel;  // edge functions of smaller t
 constexpr int32_t kPixelReach = kSubpixel / 2 + 2;  // half a pixel, and what rounding may move an edge
 constexpr float kFloatMax = 3.402823466e38F;
 
+constexpr bool is_outer(Coverage c) { return c == Coverage::outer || c == Coverage::probe; }
+
 PROMENADE_INLINE int32_t min_of(int32_t a, int32_t b) { return a < b ? a : b; }
 PROMENADE_INLINE int32_t max_of(int32_t a, int32_t b) { return a > b ? a : b; }
 PROMENADE_INLINE float min_of(float a, float b) { return a < b ? a : b; }
@@ -147,9 +149,9 @@ bool may_be_seen(const Frame& f, Region& r, const BoxPicture& box) {
       for (; open != 0; open &= open - 1) {
         const int32_t t = tx + __builtin_ctz(open);
         if (!r.dirty[row + t]) return true;
-        r.dirty[row + t] = 0;
-        r.hz[row + t] = farthest_of_tile(tile_of(f, f.z, t, ty));
-        if (r.hz[row + t] <= box.nearest_z) return true;
+        const float farthest = farthest_of_tile(tile_of(f, f.z, t, ty));
+        if (!r.read_only) r.dirty[row + t] = 0, r.hz[row + t] = farthest;
+        if (farthest <= box.nearest_z) return true;
       }
     }
   }
@@ -172,7 +174,7 @@ PROMENADE_INLINE F depth_at(const Plane& p, F x, F y) {
   F z = splat(p.gx) * (x - splat(p.x0)) + (splat(p.gy) * (y - splat(p.y0)) + splat(p.z0));
   if constexpr (C != Coverage::center) {
     const float reach = (abs_of(p.gx) + abs_of(p.gy)) * static_cast<float>(kPixelReach) + abs_of(p.z_max) * 1e-6F;
-    z = C == Coverage::outer ? z + splat(reach) : z - splat(reach);
+    z = is_outer(C) ? z + splat(reach) : z - splat(reach);
   }
   return min(max(z, splat(p.z_min)), splat(p.z_max));
 }
@@ -185,23 +187,34 @@ constexpr LaneOffsets kOffsets = {{0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 
                                   {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3}};
 constexpr int kParts = 16 / kLanes;
 
-/// Writes what is covered and wins. z, id: the lanes' pixels. True: something was written.
-template <bool kMasked>
-PROMENADE_INLINE bool write_lanes(M inside, F z, uint32_t id, float* z_out, uint32_t* id_out, const MaskTriangle* mask,
-                                  F x, F y) {
-  const F old = load(z_out);
+/// Writes what is covered and wins. at: the lanes' place in the planes. True: something was written (probe: would be).
+template <Coverage C, bool kMasked>
+PROMENADE_INLINE bool write_lanes(const Frame& f, Int64 at, M inside, F z, uint32_t id, const MaskTriangle* mask, F x,
+                                  F y) {
+  const F old = load(f.z + at);
   const M not_behind = inside & (z >= old);
   if (bits(not_behind) == 0) return false;
-  int32_t* ids = reinterpret_cast<int32_t*>(id_out);
+  if constexpr (C == Coverage::probe) return true;
+  int32_t* ids = reinterpret_cast<int32_t*>(f.id + at);
   const I old_id = load(ids), new_id = splat(static_cast<int32_t>(id));
   M wins = not_behind & ((z > old) | less_unsigned(new_id, old_id));
   if constexpr (kMasked) {
+    wins = wins & shown_lanes(f, *mask, at, z, new_id);
     wins = mask_of(solid_lanes(*mask, bits(wins), x, y, z));
     if (bits(wins) == 0) return false;
   }
-  store(z_out, select(wins, z, old));
+  store(f.z + at, select(wins, z, old));
   store(ids, select(wins, new_id, old_id));
   return true;
+}
+
+/// What a tile learns from its pixels.
+template <Coverage C>
+PROMENADE_INLINE void note(Region& r, Int64 local, bool written) {
+  if constexpr (C == Coverage::probe)
+    r.found |= written;
+  else
+    r.dirty[local] |= static_cast<uint8_t>(written);
 }
 
 /// The part of a pixel rectangle that an `outer` triangle may touch: its edges alone would let sharp corners run on.
@@ -251,12 +264,12 @@ PROMENADE_INLINE void draw_small(const Frame& f, Region& r, const Batch& s, int 
         const F e0 = o0 + (a0 * fx + b0 * fy), e1 = o1 + (a1 * fx + b1 * fy), e2 = o2 + (a2 * fx + b2 * fy);
         const F y = splat(y_first) + (lane_y + splat(static_cast<float>(part * (kLanes / 4)))) * scale;
         M inside = min(min(e0, e1), e2) >= zero;
-        if constexpr (C == Coverage::outer) inside = inside & within(rect, f, x, y);
+        if constexpr (is_outer(C)) inside = inside & within(rect, f, x, y);
         const F z = depth_at<C>(plane, x, y);  // even where nothing is inside: one unforeseen branch less
         const Int64 p = at + part * kLanes;
-        written |= write_lanes<kMasked>(inside, z, static_cast<uint32_t>(s.id[t]), f.z + p, f.id + p, mask, x, y);
+        written |= write_lanes<C, kMasked>(f, p, inside, z, static_cast<uint32_t>(s.id[t]), mask, x, y);
       }
-      r.dirty[local] |= static_cast<uint8_t>(written);
+      note<C>(r, local, written);
     }
   }
 }
@@ -284,7 +297,7 @@ PROMENADE_INLINE void set_up_edges(const Int64* x, const Int64* y, int32_t px, i
     const Int64 reach = ((a < 0 ? -a : a) + (b < 0 ? -b : b)) * kPixelReach;
     if (C == Coverage::center) e -= a > 0 || (a == 0 && b > 0) ? 0 : 1;  // top-left rule
     if (C == Coverage::inner) e -= reach;
-    if (C == Coverage::outer) e += reach;
+    if (is_outer(C)) e += reach;
     s.e[i] = e >> 8, s.a[i] = static_cast<int32_t>(a), s.b[i] = static_cast<int32_t>(b);
   }
 }
@@ -311,11 +324,11 @@ void draw_tile(const Frame& f, int32_t tx, int32_t ty, const EdgeSetup& s, const
         inside = inside & (value > splat(-1));
       }
       const F y = splat(y_first) + (lane_y + splat(static_cast<float>(row))) * scale;
-      if constexpr (C == Coverage::outer) inside = inside & within(rect, f, x, y);
+      if constexpr (is_outer(C)) inside = inside & within(rect, f, x, y);
       if (bits(inside) == 0) continue;
       const F z = depth_at<C>(plane, x, y);
       const Int64 p = tile + block * 16 + part * kLanes;
-      written |= write_lanes<kMasked>(inside, z, id, f.z + p, f.id + p, mask, x, y);
+      written |= write_lanes<C, kMasked>(f, p, inside, z, id, mask, x, y);
     }
   }
 }
@@ -341,8 +354,7 @@ void draw_large(const Frame& f, Region& r, const Int64* x, const Int64* y, const
   const auto high = [](const Int64* v) {
     return v[0] > v[1] ? (v[0] > v[2] ? v[0] : v[2]) : (v[1] > v[2] ? v[1] : v[2]);
   };
-  constexpr int32_t kIn = C == Coverage::outer ? -2 : kSubpixel / 2 - 1,
-                    kOut = C == Coverage::outer ? -2 : kSubpixel / 2;
+  constexpr int32_t kIn = is_outer(C) ? -2 : kSubpixel / 2 - 1, kOut = is_outer(C) ? -2 : kSubpixel / 2;
   PixelRect rect = {static_cast<int32_t>((low(x) + kIn) >> 8), static_cast<int32_t>((low(y) + kIn) >> 8),
                     static_cast<int32_t>((high(x) - kOut) >> 8), static_cast<int32_t>((high(y) - kOut) >> 8)};
   rect.x0 = max_of(rect.x0, r.tx0 * kTile), rect.y0 = max_of(rect.y0, r.ty0 * kTile);
@@ -380,7 +392,7 @@ void draw_large(const Frame& f, Region& r, const Int64* x, const Int64* y, const
       if (nearest_in_tile<C>(f, plane, tx, ty) < r.hz[local]) continue;
       bool written = false;
       draw_tile<C, kMasked>(f, tx, ty, s, here, cut, plane, rect, id, mask, written);
-      r.dirty[local] |= static_cast<uint8_t>(written);
+      note<C>(r, local, written);
     }
   }
 }
@@ -396,7 +408,7 @@ Plane plane_of(const Corner* c) {
   if (c[2].z < c[far].z) far = 2;
   const float z_min = c[far].z, z_max = max_of(c[0].z, max_of(c[1].z, c[2].z));
   if (!(area > 1.0)) {  // a sliver: its corners' order is rounding
-    const float z = C == Coverage::outer ? z_max : z_min;
+    const float z = is_outer(C) ? z_max : z_min;
     return {0, 0, z, 0, 0, z_min, z_max};
   }
   return {c[far].x,
@@ -417,8 +429,8 @@ void draw_one(const Frame& f, Region& r, const Corner* corners, bool mirrored, b
   Int64 x[3], y[3];
   for (int i = 0; i < 3; ++i) x[i] = rounded(c[i].x) + f.axis_x, y[i] = rounded(c[i].y) + f.axis_y;
   const Int64 area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
-  const Int64 slip = C == Coverage::outer ? kSmallExtent * Int64(1024) : 0;  // rounding may have turned it over
-  if (C != Coverage::outer && area == 0) return;
+  const Int64 slip = is_outer(C) ? kSmallExtent * Int64(1024) : 0;  // rounding may have turned it over
+  if (!is_outer(C) && area == 0) return;
   if (area < 0) {
     if (!two_sided && area < -slip) return;
     const Corner swap = c[1];
@@ -515,7 +527,7 @@ void draw_clipped(const Frame& f, Region& r, const ViewPoint* points, const Corn
     plane.z_max = max_of(plane.z_max, c[i].z);
   }
   if (!plane_in_view(f, triangle, plane)) {
-    if (C != Coverage::outer) return;
+    if (!is_outer(C)) return;
     plane.gx = 0, plane.gy = 0, plane.z0 = plane.z_max;
   }
   for (int i = 1; i + 1 < n; ++i) {
@@ -579,8 +591,7 @@ PROMENADE_INLINE uint32_t set_up_small(const Frame& f, const Region& r, LaneCorn
                                        Batch& s) {
   const I x_low = min(min(c[0].ix, c[1].ix), c[2].ix), x_high = max(max(c[0].ix, c[1].ix), c[2].ix);
   const I y_low = min(min(c[0].iy, c[1].iy), c[2].iy), y_high = max(max(c[0].iy, c[1].iy), c[2].iy);
-  constexpr int32_t kIn = C == Coverage::outer ? -2 : kSubpixel / 2 - 1,
-                    kOut = C == Coverage::outer ? -2 : kSubpixel / 2;
+  constexpr int32_t kIn = is_outer(C) ? -2 : kSubpixel / 2 - 1, kOut = is_outer(C) ? -2 : kSubpixel / 2;
   const I px0 = max(shift_right<8>(x_low + splat(kIn)), splat(r.tx0 * kTile));
   const I py0 = max(shift_right<8>(y_low + splat(kIn)), splat(r.ty0 * kTile));
   const I px1 = min(shift_right<8>(x_high - splat(kOut)), splat(min_of(r.tx1 * kTile, f.width) - 1));
@@ -592,8 +603,8 @@ PROMENADE_INLINE uint32_t set_up_small(const Frame& f, const Region& r, LaneCorn
   const M thin = abs(area) < splat(2 * kSmallExtent * 2);  // outer: rounding may have turned it over, or to nothing
   M turned = back;
   if (two_sided)
-    lanes = C == Coverage::outer ? lanes : lanes & (back | (area > splat(0)));
-  else if (C == Coverage::outer)
+    lanes = is_outer(C) ? lanes : lanes & (back | (area > splat(0)));
+  else if (is_outer(C))
     lanes = lanes & (thin | (area > splat(0)));
   else
     lanes = lanes & (area > splat(0)), turned = mask_of(0);
@@ -612,7 +623,7 @@ PROMENADE_INLINE uint32_t set_up_small(const Frame& f, const Region& r, LaneCorn
       e = e + select(top_left, splat(0), splat(-1));
     } else {
       const I reach = (abs(a) + abs(b)) * splat(kPixelReach);
-      e = C == Coverage::outer ? e + reach : e - reach;
+      e = is_outer(C) ? e + reach : e - reach;
     }
     store(s.e[i], to_float(shift_right<8>(e)));
     store(s.a[i], to_float(a));
@@ -628,7 +639,7 @@ PROMENADE_INLINE uint32_t set_up_small(const Frame& f, const Region& r, LaneCorn
   store(s.gy, select(sound, (x1 * z2 - x2 * z1) * inverse, zero));
   store(s.x0, c[0].x);
   store(s.y0, c[0].y);
-  store(s.z0, select(sound, c[0].z, C == Coverage::outer ? z_max : z_min));
+  store(s.z0, select(sound, c[0].z, is_outer(C) ? z_max : z_min));
   store(s.z_min, z_min);
   store(s.z_max, z_max);
   store(s.px0, px0);
@@ -711,7 +722,7 @@ void draw_block(const Frame& frame, const Item& item, const Block& block, Region
       draw_small<C, kMasked>(f, r, s, t, &mask);
     }
   }
-  region.counts = r.counts;
+  region.counts = r.counts, region.found = r.found;
 }
 
 /// True only if every triangle of the block, anywhere in its box, shows its back.
@@ -727,6 +738,13 @@ bool faces_away(const Frame& f, const Item& item, const Block& block) {
   return along > block.cone_sin * length + radius + 1e-4F * length;
 }
 
+/// Whether this picture leaves the block out, whatever it may show.
+template <Coverage C>
+PROMENADE_INLINE bool left_out(const Frame& f, const Item& item, const Block& block) {
+  if (C == Coverage::inner && (item.fading || (block.flags & block_masked) != 0)) return true;  // has holes
+  return (block.flags & block_blended) != 0 ? !f.draw_blended : !f.draw_solid;
+}
+
 template <Coverage C>
 void draw_item(const Frame& f, const Item& item, const BoxPicture& item_box, Region& r) {
   if (!may_be_seen(f, r, item_box)) {
@@ -736,12 +754,11 @@ void draw_item(const Frame& f, const Item& item, const BoxPicture& item_box, Reg
   ++r.counts.items_drawn;
   for (uint32_t i = 0; i < item.block_count; ++i) {
     const Block& block = item.blocks[i];
-    if (C != Coverage::outer && f.cull_back && (block.flags & block_two_sided) == 0 && faces_away(f, item, block)) {
+    if (left_out<C>(f, item, block)) continue;
+    if (!is_outer(C) && f.cull_back && (block.flags & block_two_sided) == 0 && faces_away(f, item, block)) {
       ++r.counts.blocks_facing_away;
       continue;
     }
-    if (C == Coverage::inner && (block.flags & block_masked) != 0) continue;
-    if (!f.draw_blended && (block.flags & block_blended) != 0) continue;
     const BoxPicture box = project_box(f, item, block.box_center, block.box_half);
     if (box.culled || !may_be_seen(f, r, box)) {
       ++r.counts.blocks_hidden;
@@ -749,10 +766,12 @@ void draw_item(const Frame& f, const Item& item, const BoxPicture& item_box, Reg
     }
     ++r.counts.blocks_drawn;
     // Conservative: what has holes hides nothing, and may show anywhere.
-    if (C == Coverage::center && (block.flags & block_masked) != 0)
-      draw_block<C, true>(f, item, block, r, box.needs_clip);
+    const bool in_part = item.fading || (block.flags & block_masked) != 0 || f.before_z != nullptr;
+    if (C == Coverage::center && in_part)
+      draw_block<C, C == Coverage::center>(f, item, block, r, box.needs_clip);
     else
       draw_block<C, false>(f, item, block, r, box.needs_clip);
+    if (C == Coverage::probe && r.found) return;
   }
 }
 
@@ -764,7 +783,23 @@ void draw(const Frame& f, const Item& item, const BoxPicture& item_box, Region& 
       return draw_item<Coverage::inner>(f, item, item_box, r);
     case Coverage::outer:
       return draw_item<Coverage::outer>(f, item, item_box, r);
+    case Coverage::probe:
+      return draw_item<Coverage::probe>(f, item, item_box, r);
   }
+}
+
+/// Lets a layer of what is seen through begin behind nothing and before the solid surfaces, whose depths are there.
+void clear_layer(const Frame& f, Region& r) {
+  const I none = splat(static_cast<int32_t>(kNoSurface));
+  for (int32_t ty = r.ty0; ty < r.ty1; ++ty) {
+    int32_t* ids = reinterpret_cast<int32_t*>(f.id) + (static_cast<Int64>(ty) * f.tiles_x + r.tx0) * kTilePixels;
+    for (int32_t i = 0; i < (r.tx1 - r.tx0) * kTilePixels; i += kLanes) store(ids + i, none);
+    for (int32_t tx = r.tx0; tx < r.tx1; ++tx) {
+      const Int64 local = static_cast<Int64>(ty - r.ty0) * r.stride + (tx - r.tx0);
+      r.hz[local] = f.clear_z, r.dirty[local] = 1;
+    }
+  }
+  r.counts = {};
 }
 
 /// Empties the region. Pixels that fill up the last tiles get a depth that nothing beats.
@@ -787,4 +822,8 @@ void clear(const Frame& f, Region& r) {
 
 #include "raster/kernel_shade.inl"
 
-constexpr Kernels kKernels = {kLanes, project_box, clear, draw, shade_row};
+#include "raster/kernel_layers.inl"
+
+#include "raster/kernel_smooth.inl"
+
+constexpr Kernels kKernels = {kLanes, project_box, clear, clear_layer, draw, shade_row, shade_layers_row, smooth_row};

@@ -2,6 +2,8 @@
 // share of the pixels by an 8 x 8 ordered pattern (a screen door), so that one surface a pixel is enough and nothing is
 // sorted. Reached only after a pixel has won its depth test, so that opaque triangles pay nothing.
 
+constexpr float kLeastOpacity = 1.0F / 255;  ///< of a layer's pixel: less could not be seen
+
 /// u / w and v / w over the picture, and how far apart neighbouring pixels lie in the texture.
 struct MaskTriangle {
   const Surface* surface = nullptr;  ///< null: solid
@@ -10,7 +12,10 @@ struct MaskTriangle {
   float texels_a_pixel = 0;          ///< perspective: at 1 m
   int32_t axis_x = 0, axis_y = 0;
   uint32_t door = 0;  ///< shifts the screen door's pattern, so that two panes do not hide the same pixels
+  float fade_from = 0, fade_to = 1;
+  bool fading = false;
   bool orthographic = false;
+  bool screen_door = true;
 };
 
 /// Solves for the linear function of (x, y, w) that takes three values at three points; orthographic: w is 1.
@@ -34,11 +39,12 @@ PROMENADE_INLINE bool linear_over(const ViewPoint* p, const double (*values)[3],
 void set_up_mask(const Frame& f, const Item& item, uint32_t triangle, MaskTriangle& m) {
   const uint32_t material = item.materials == nullptr ? 0 : item.materials[triangle];
   m.surface = nullptr;
-  if (item.surfaces == nullptr || material >= item.surface_count) return;
+  m.fading = item.fading, m.fade_from = item.fade_from, m.fade_to = item.fade_to;
+  if (item.indices == nullptr || item.surfaces == nullptr || material >= item.surface_count) return;
   const Surface& surface = item.surfaces[material];
   if (surface.alpha == 0) return;
   m.opacity = surface.color[3];
-  m.axis_x = f.axis_x, m.axis_y = f.axis_y, m.orthographic = f.orthographic;
+  m.axis_x = f.axis_x, m.axis_y = f.axis_y, m.orthographic = f.orthographic, m.screen_door = f.screen_door;
   m.door = (item.first_id >> 8) * 5U + material * 3U;
   const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(triangle);
   if (item.colors != nullptr) {
@@ -120,11 +126,36 @@ PROMENADE_INLINE float opacity_at(const MaskTriangle& m, float x, float y, float
 }
 
 /// Threshold of the screen door at a pixel, (0, 1): bits of x ^ y and y interleaved, the ordered dither of Bayer.
-PROMENADE_INLINE float door_threshold(uint32_t px, uint32_t py) {
+PROMENADE_INLINE constexpr float door_threshold(uint32_t px, uint32_t py) {
   const uint32_t a = px ^ py;
   const uint32_t rank =
       (a & 1U) << 5 | (py & 1U) << 4 | (a & 2U) << 2 | (py & 2U) << 1 | (a & 4U) >> 1 | (py & 4U) >> 2;
   return (static_cast<float>(rank) + 0.5F) / 64.0F;
+}
+
+/// The same for the pixels of a tile, in their order.
+struct DoorTile {
+  float threshold[kTilePixels];
+};
+constexpr DoorTile door_tile() {
+  DoorTile d = {};
+  for (uint32_t i = 0; i < kTilePixels; ++i)
+    d.threshold[i] = door_threshold((i >> 4 & 1U) * 4U + (i & 3U), (i >> 5) * 4U + (i >> 2 & 3U));
+  return d;
+}
+constexpr DoorTile kDoor = door_tile();
+
+/// Those lanes that a fade leaves, and that lie behind the layer before. at: their place in the planes.
+PROMENADE_INLINE M shown_lanes(const Frame& f, const MaskTriangle& m, Int64 at, F z, I id) {
+  M shown = mask_of((1U << kLanes) - 1U);
+  if (m.fading) {
+    const F threshold = load(kDoor.threshold + (at & (kTilePixels - 1)));
+    shown = (threshold >= splat(m.fade_from)) & (threshold < splat(m.fade_to));
+  }
+  if (f.before_z == nullptr) return shown;
+  const F before = load(f.before_z + at);
+  const I before_id = load(reinterpret_cast<const int32_t*>(f.before_id) + at);
+  return shown & ((z < before) | ((z <= before) & less_unsigned(before_id, id)));
 }
 
 /// Those of the lanes at which the surface is there.
@@ -139,7 +170,8 @@ PROMENADE_INLINE uint32_t solid_lanes(const MaskTriangle& m, uint32_t lanes, F x
     const uint32_t px = static_cast<uint32_t>(static_cast<int32_t>(xs[i]) + m.axis_x) >> 8;
     const uint32_t py = static_cast<uint32_t>(static_cast<int32_t>(ys[i]) + m.axis_y) >> 8;
     const bool there = m.surface->alpha == 1 ? opacity >= m.surface->alpha_cutoff
-                                             : opacity > door_threshold(px + m.door, py + (m.door >> 3));
+                       : m.screen_door       ? opacity > door_threshold(px + m.door, py + (m.door >> 3))
+                                             : opacity >= kLeastOpacity;
     solid |= (there ? 1U : 0U) << i;
   }
   return solid;

@@ -52,7 +52,7 @@ void find_distinct(const Frame& f, const float* z, const uint32_t* id, TileTrian
   M same = mask_of((1U << kLanes) - 1U);
   for (int i = 0; i < kTilePixels; i += kLanes)
     same = same & equal(load(ids + i), first) & (load(z + i) > splat(f.clear_z));
-  if (bits(same) == (1U << kLanes) - 1U) {
+  if (id[0] != kNoSurface && bits(same) == (1U << kLanes) - 1U) {
     for (int i = 0; i < kTilePixels; i += kLanes) store(which + i, splat(0));
     t.id[t.count++] = id[0];
     return;
@@ -63,7 +63,7 @@ void find_distinct(const Frame& f, const float* z, const uint32_t* id, TileTrian
   uint32_t last_id = kNoSurface;
   int32_t last = -1;
   for (int i = 0; i < kTilePixels; ++i) {
-    if (z[i] == f.clear_z) {
+    if (z[i] == f.clear_z || id[i] == kNoSurface) {
       which[i] = -1;
       continue;
     }
@@ -338,22 +338,42 @@ PROMENADE_INLINE F rough_log2(F a) {
   return exponent + m * (splat(1.3465F) - m * splat(0.3465F));
 }
 
-/// Trilinear. du..: change of u and v a pixel.
-PROMENADE_INLINE void sample_texture(const Surface& surface, F u, F v, F dux, F duy, F dvx, F dvy, M active, F* out) {
-  const Texture& t = *surface.texture;
-  const F width = splat(static_cast<float>(t.width)), height = splat(static_cast<float>(t.height));
-  const F ax = dux * width, ay = dvx * height, bx = duy * width, by = dvy * height;
-  const F along = max(ax * ax + ay * ay, bx * bx + by * by);
-  const F top = splat(static_cast<float>(t.levels - 1));
-  const F lod = max(min(rough_log2(max(min(along, splat(1e30F)), splat(1e-30F))) * splat(0.5F), top), splat(0.0F));
+/// Trilinear at one place of each lane's footprint.
+PROMENADE_INLINE void sample_mips(const Surface& surface, F u, F v, F lod, M active, F* out) {
   const F whole = floor(lod), share = lod - whole;
   const I level = truncate(whole);
   sample_level(surface, u, v, level, active, out);
   const M between = active & (share > splat(0.0F));
   if (bits(between) == 0) return;
   F coarse[3];
-  sample_level(surface, u, v, min(level + splat(1), splat(static_cast<int32_t>(t.levels - 1))), active, coarse);
+  const I next = min(level + splat(1), splat(static_cast<int32_t>(surface.texture->levels - 1)));
+  sample_level(surface, u, v, next, active, coarse);
   for (int c = 0; c < 3; ++c) out[c] = out[c] + share * (coarse[c] - out[c]);
+}
+
+/// Trilinear; where the footprint is long, several samples along it. du..: change of u and v a pixel.
+PROMENADE_INLINE void sample_texture(const Surface& surface, F u, F v, F dux, F duy, F dvx, F dvy, float anisotropy,
+                                     M active, F* out) {
+  const Texture& t = *surface.texture;
+  const F width = splat(static_cast<float>(t.width)), height = splat(static_cast<float>(t.height));
+  const F ax = dux * width, ay = dvx * height, bx = duy * width, by = dvy * height;
+  const F a = min(ax * ax + ay * ay, splat(1e30F)), b = min(bx * bx + by * by, splat(1e30F));
+  const F top = splat(static_cast<float>(t.levels - 1)), zero = splat(0.0F), one = splat(1.0F);
+  const F longest = max(max(a, b), splat(1e-30F)), shortest = max(min(a, b), splat(1.0F));  // no finer than a texel
+  const F wanted = floor(sqrt(max(longest / shortest, one)) + splat(0.5F));
+  const F count = min(wanted, splat(anisotropy));
+  const F lod = max(min(rough_log2(longest / (count * count)) * splat(0.5F), top), zero);
+  if (bits(active & (count > one)) == 0) return sample_mips(surface, u, v, lod, active, out);
+  const F along_u = select(a >= b, dux, duy), along_v = select(a >= b, dvx, dvy), share = one / count;
+  for (int c = 0; c < 3; ++c) out[c] = zero;
+  for (float i = 0;; i += 1.0F) {
+    const M taken = active & (count > splat(i));
+    if (bits(taken) == 0) return;
+    const F offset = (splat(i) + splat(0.5F)) * share - splat(0.5F);
+    F sample[3];
+    sample_mips(surface, u + along_u * offset, v + along_v * offset, lod, taken, sample);
+    for (int c = 0; c < 3; ++c) out[c] = out[c] + select(taken, sample[c] * share, zero);
+  }
 }
 
 // --- Pixels
@@ -390,7 +410,7 @@ PROMENADE_INLINE I sky_at(const Shading& s, F x, F y) {
 
 /// Multiplies the colours of the covered lanes by their textures.
 PROMENADE_INLINE void apply_textures(const Frame& f, const TileTriangles& t, const TileFunctions& fn, I which,
-                                     M covered, F dx, F dy, F w, F* color) {
+                                     M covered, F dx, F dy, F w, float anisotropy, F* color) {
   const auto slot = [&](int k) { return Table64(fn.a[k])[which]; };
   const F ux = slot(slot_ux), uy = slot(slot_uy), vx = slot(slot_vx), vy = slot(slot_vy);
   const F u = (slot(slot_u) + (ux * dx + uy * dy)) * w, v = (slot(slot_v) + (vx * dx + vy * dy)) * w;
@@ -403,49 +423,72 @@ PROMENADE_INLINE void apply_textures(const Frame& f, const TileTriangles& t, con
     const M active = covered & (texture >= number) & (texture <= number);
     if (bits(active) == 0) continue;
     F texel[3];
-    sample_texture(*t.surfaces[i], u, v, dux, duy, dvx, dvy, active, texel);
+    sample_texture(*t.surfaces[i], u, v, dux, duy, dvx, dvy, anisotropy, active, texel);
     for (int c = 0; c < 3; ++c) color[c] = select(active, color[c] * texel[c], color[c]);
   }
 }
 
-void shade_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, TileTriangles& t, TileFunctions& fn) {
-  const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
-  alignas(64) int32_t which[kTilePixels];
-  find_distinct(f, f.z + tile, f.id + tile, t, which);
-  const float x = static_cast<float>(tx * kTile * kSubpixel + kSubpixel / 2 - f.axis_x);
-  const float y = static_cast<float>(ty * kTile * kSubpixel + kSubpixel / 2 - f.axis_y);
+/// The centre of a tile's first pixel, in sub-pixels from the axis.
+PROMENADE_INLINE float first_center(int32_t tile, int32_t axis) {
+  return static_cast<float>(tile * kTile * kSubpixel + kSubpixel / 2 - axis);
+}
+
+/// Brings the triangles of a tile, and their attributes as functions over it, into place. which: as find_distinct's.
+void set_up_tile(const Frame& f, const Shading& s, const float* z, const uint32_t* id, int32_t tx, int32_t ty,
+                 TileTriangles& t, TileFunctions& fn, int32_t* which) {
+  find_distinct(f, z, id, t, which);
   t.surface_count = 0, t.varying = false;
   if (t.count > 2) prefetch_triangles(s, t);
   for (int32_t k = 0; k < t.count; ++k) fetch_triangle(s, t, k);
   for (int32_t k = 0; k < t.count; k += kLanes) {
     light_corners(s, t, k);
-    set_up_lanes(f, s, t, k, x, y, fn);
+    set_up_lanes(f, s, t, k, first_center(tx, f.axis_x), first_center(ty, f.axis_y), fn);
   }
-  const F lane_x = load(kOffsets.x), lane_y = load(kOffsets.y), pixel = splat(static_cast<float>(kSubpixel));
+}
+
+/// Pixels of a tile, kLanes from `first` on: how far they lie from its first pixel.
+struct LanePlace {
+  F dx, dy;
+  explicit LanePlace(int first)
+      : dx(load(kOffsets.x) + splat(static_cast<float>((first / 16 & 1) * 4))),
+        dy(load(kOffsets.y) + splat(static_cast<float>((first / 32) * 4 + first % 16 / 4))) {}
+};
+
+/// Linear colours of the covered lanes. z: their depths.
+PROMENADE_INLINE void color_lanes(const Frame& f, const Shading& s, const TileTriangles& t, const TileFunctions& fn,
+                                  I shown, M covered, F z, const LanePlace& at, F* color) {
+  const I seen = max(shown, splat(0));
+  const F w = f.orthographic ? splat(1.0F) : splat(1.0F) / select(covered, z, splat(1.0F));
+  const auto slot = [&](int k) { return Table64(fn.a[k])[seen]; };
+  for (int c = 0; c < 3; ++c) {
+    color[c] = slot(slot_r + 3 * c);
+    if (t.varying) color[c] = (color[c] + (slot(slot_rx + 3 * c) * at.dx + slot(slot_ry + 3 * c) * at.dy)) * w;
+  }
+  if (t.surface_count > 0) apply_textures(f, t, fn, seen, covered, at.dx, at.dy, w, s.anisotropy, color);
+}
+
+void shade_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, TileTriangles& t, TileFunctions& fn) {
+  const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
+  alignas(64) int32_t which[kTilePixels];
+  set_up_tile(f, s, f.z + tile, f.id + tile, tx, ty, t, fn, which);
+  const F x = splat(first_center(tx, f.axis_x)), y = splat(first_center(ty, f.axis_y)),
+          pixel = splat(static_cast<float>(kSubpixel));
   for (int i = 0; i < kTilePixels; i += kLanes) {
-    const int block = i / 16, part = i % 16 / kLanes;
-    const F dx = lane_x + splat(static_cast<float>((block & 1) * 4));
-    const F dy = lane_y + splat(static_cast<float>((block >> 1) * 4 + part * (kLanes / 4)));
-    const I shown = load(which + i), seen = max(shown, splat(0));
+    const LanePlace at(i);
+    const I shown = load(which + i);
     const M covered = shown > splat(-1);
     const uint32_t lanes = bits(covered);
     I out = splat(static_cast<int32_t>(s.plain));
-    if (s.has_sky && lanes != (1U << kLanes) - 1U) out = sky_at(s, splat(x) + dx * pixel, splat(y) + dy * pixel);
+    if (s.has_sky && lanes != (1U << kLanes) - 1U) out = sky_at(s, x + at.dx * pixel, y + at.dy * pixel);
     if (lanes != 0) {
-      const F w = f.orthographic ? splat(1.0F) : splat(1.0F) / select(covered, load(f.z + tile + i), splat(1.0F));
-      const auto slot = [&](int k) { return Table64(fn.a[k])[seen]; };
       F color[3];
-      for (int c = 0; c < 3; ++c) {
-        color[c] = slot(slot_r + 3 * c);
-        if (t.varying) color[c] = (color[c] + (slot(slot_rx + 3 * c) * dx + slot(slot_ry + 3 * c) * dy)) * w;
-      }
-      if (t.surface_count > 0) apply_textures(f, t, fn, seen, covered, dx, dy, w, color);
+      color_lanes(f, s, t, fn, shown, covered, load(f.z + tile + i), at, color);
       out = select(covered, packed_srgb(color), out);
     }
     int32_t rgba[kLanes];
     store(rgba, out);
     for (int r = 0; r < kLanes / 4; ++r) {
-      const int32_t px = tx * kTile + (block & 1) * 4, py = ty * kTile + (block >> 1) * 4 + part * (kLanes / 4) + r;
+      const int32_t px = tx * kTile + (i / 16 & 1) * 4, py = ty * kTile + (i / 32) * 4 + i % 16 / 4 + r;
       if (py >= f.height || px >= f.width) continue;
       const int32_t count = min_of(4, f.width - px);
       __builtin_memcpy(s.out + static_cast<Int64>(py) * f.width + px, rgba + 4 * r, static_cast<uint64_t>(count) * 4);

@@ -1,5 +1,6 @@
 #include "raster/shade.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <glm/geometric.hpp>
@@ -55,24 +56,64 @@ void set_light(const ShadeOptions& o, Shading& s) {
   s.has_textures = o.textures;
 }
 
-}  // namespace
-
-void shade(const VisibilityBuffer& buffer, const ShadeOptions& options, Image& out) {
-  const VisibilityBuffer::State& state = buffer.state();
-  out.width = buffer.width_px(), out.height = buffer.height_px();
-  out.pixels.resize(size_t(out.width) * out.height);
+Shading shading_of(const VisibilityBuffer::State& state, const ShadeOptions& options, Image& out) {
   Shading s = {};
   s.items = state.items.data();
   s.item_of_run = state.item_of_run.data();
   s.run_bits = kIdRunBits;
   s.orthographic = state.view.orthographic;
   s.linear_of_srgb = linear_table().data();
+  s.anisotropy = std::clamp(options.anisotropy, 1.0F, 16.0F);
   set_view(state.view, s);
   set_light(options, s);
   s.out = reinterpret_cast<uint32_t*>(out.pixels.data());
+  return s;
+}
+
+void size_like(const VisibilityBuffer& buffer, Image& image) {
+  image.width = buffer.width_px(), image.height = buffer.height_px();
+  image.pixels.resize(size_t(image.width) * image.height);
+}
+
+}  // namespace
+
+void shade(const VisibilityBuffer& buffer, const ShadeOptions& options, Image& out) {
+  const VisibilityBuffer::State& state = buffer.state();
+  size_like(buffer, out);
+  const Shading s = shading_of(state, options, out);
   const raster_kernel::Kernels& kernels = kernels_of(options.simd);
   run_parallel(options.threads, static_cast<size_t>(state.frame.tiles_y),
                [&](size_t row) { kernels.shade(state.frame, s, static_cast<int32_t>(row)); });
+}
+
+void smooth_edges(const VisibilityBuffer& buffer, const ShadeOptions& options, const Image& in, Image& out) {
+  const VisibilityBuffer::State& state = buffer.state();
+  size_like(buffer, out);
+  const Shading s = shading_of(state, options, out);
+  const raster_kernel::Kernels& kernels = kernels_of(options.simd);
+  raster_kernel::Smoothing smoothing = {};
+  smoothing.in = reinterpret_cast<const uint32_t*>(in.pixels.data()), smoothing.out = s.out;
+  smoothing.stride = state.frame.width + raster_kernel::kSmoothPadding;
+  smoothing.least_difference = std::clamp(options.edge_difference, 1, 255);
+  run_parallel(options.threads, static_cast<size_t>(state.frame.tiles_y), [&](size_t row) {
+    thread_local std::vector<int32_t> room;  // no page is touched for the first time in every row
+    room.resize(size_t(smoothing.stride) * raster_kernel::kSmoothRows);
+    raster_kernel::Smoothing here = smoothing;
+    here.room = room.data();
+    kernels.smooth(state.frame, s, here, static_cast<int32_t>(row));
+  });
+}
+
+void blend_layers(std::span<const VisibilityBuffer* const> layers, const ShadeOptions& options, Image& picture) {
+  if (layers.empty()) return;
+  const VisibilityBuffer::State& state = layers[0]->state();
+  const Shading s = shading_of(state, options, picture);
+  std::vector<raster_kernel::Layer> planes;
+  for (const VisibilityBuffer* layer : layers) planes.push_back({layer->state().z.data(), layer->state().id.data()});
+  const raster_kernel::Kernels& kernels = kernels_of(options.simd);
+  run_parallel(options.threads, static_cast<size_t>(state.frame.tiles_y), [&](size_t row) {
+    kernels.shade_layers(state.frame, s, planes.data(), static_cast<int32_t>(planes.size()), static_cast<int32_t>(row));
+  });
 }
 
 }  // namespace promenade

@@ -2,9 +2,14 @@
 // Colours for a visibility buffer: each pixel is shaded once, after all of them know what they show.
 //
 // colour = material x vertex colour x texture x light, in linear light, then sRGB. Light is Lambert's under a sun and a
-// sky, evaluated at a triangle's corners and interpolated. Textures are trilinear; their derivatives come from the
-// triangle. AlphaMode::blend is drawn as a screen door: of a surface with opacity 0.5 half of the pixels, in an ordered
-// 8 x 8 pattern, so that no order of drawing matters and depth and ids stay those of what is seen.
+// sky, evaluated at a triangle's corners and interpolated. Textures are trilinear and anisotropic; their derivatives
+// come from the triangle. What is seen through (AlphaMode::blend) is either part of the picture, as a screen door (of a
+// surface with opacity 0.5 half of the pixels, in an ordered 8 x 8 pattern: no order of drawing, nothing sorted), or
+// blended over it afterwards, layer by layer. The whole of it:
+//
+//   solid.draw(view, items, {.draw_blended = false});   layers[0].draw_layer(solid, nullptr, items); ...
+//   shade(solid, options, plain);   smooth_edges(solid, options, plain, picture);   blend_layers(layers, options,
+//   picture);
 
 #include <glm/vec3.hpp>
 
@@ -16,6 +21,12 @@ struct ShadeOptions {
   unsigned threads = 0;  ///< 0: one a processor
   Simd simd = Simd::best;
   bool textures = true;  ///< false: materials' and vertices' colours only
+  /// Most samples along a texture's footprint where it is longer than wide, 1 to 16; 1: trilinear only. Costs only
+  /// where a textured surface is seen at a slant.
+  float anisotropy = 2;
+  /// smooth_edges: least difference (of a channel, sRGB, 1 to 255) between pixels of different triangles for their
+  /// border to be smoothed. Smaller: smoother, dearer.
+  int edge_difference = 16;
 
   // Light; linear colours.
   glm::vec3 to_sun{0.40F, -0.55F, 0.73F};  ///< model space; need not be unit
@@ -34,5 +45,14 @@ struct ShadeOptions {
 /// The picture's colours, opaque sRGB, into `out` (resized only if its size differs). The buffer's items, meshes and
 /// surfaces must still live. Meshes prepared without attributes are lit from nowhere in particular.
 void shade(const VisibilityBuffer& buffer, const ShadeOptions& options, Image& out);
+
+/// The picture `in` that shade made of the buffer, with the borders between differently coloured triangles antialiased:
+/// where a pixel's neighbours show other triangles, 16 places in it are asked which of these triangles covers them
+/// nearest (their own edges, depths and holes), and the colours that the pixels have are mixed. `in` and `out` are two
+/// images. Fading meshes and screen doors keep their pixels.
+void smooth_edges(const VisibilityBuffer& buffer, const ShadeOptions& options, const Image& in, Image& out);
+
+/// Blends layers of VisibilityBuffer::draw_layer, the nearest first, all of one picture and the same items, over it.
+void blend_layers(std::span<const VisibilityBuffer* const> layers, const ShadeOptions& options, Image& picture);
 
 }  // namespace promenade

@@ -63,7 +63,7 @@ Frame frame_of(const RasterView& view, const VisibilityOptions& options) {
   f.orthographic = view.orthographic;
   f.clear_z = view.orthographic ? std::numeric_limits<float>::lowest() : 0.0F;
   f.cull_hidden = options.cull_hidden, f.cull_back = options.cull_back;
-  f.draw_blended = options.draw_blended;
+  f.draw_solid = true, f.draw_blended = options.draw_blended, f.screen_door = true;
   return f;
 }
 
@@ -111,6 +111,8 @@ void set_transform(Item& item, const RasterView& view, const std::optional<glm::
     item.block_count = 0;
 }
 
+}  // namespace
+
 Item item_of(const RasterItem& drawn, const RasterView& view) {
   Item item = {};
   const PreparedMesh& mesh = *drawn.mesh;
@@ -121,8 +123,20 @@ Item item_of(const RasterItem& drawn, const RasterView& view) {
   item.triangle_of = mesh.triangle_of.data();
   set_attributes(item, drawn);
   set_transform(item, view, drawn.model_from_mesh);
+  item.fade_from = drawn.fade_from, item.fade_to = drawn.fade_to;
+  item.fading = !(drawn.fade_from <= 0 && drawn.fade_to >= 1);
   return item;
 }
+
+void half_of(const Box& box, float* center, float* half) {
+  for (int i = 0; i < 3; ++i) {
+    center[i] = (box.min[i] + box.max[i]) * 0.5F;
+    const float h = std::max(box.max[i] - center[i], center[i] - box.min[i]);
+    half[i] = h + (std::abs(center[i]) + h) * 2e-7F;
+  }
+}
+
+namespace {
 
 /// Ids in the order of (node, place in the list), a whole number of runs each.
 Status number_items(VisibilityBuffer::State& s, std::span<const RasterItem> items) {
@@ -148,14 +162,6 @@ struct Seen {
   BoxPicture box;
   uint32_t item;
 };
-
-void half_of(const Box& box, float* center, float* half) {
-  for (int i = 0; i < 3; ++i) {
-    center[i] = (box.min[i] + box.max[i]) * 0.5F;
-    const float h = std::max(box.max[i] - center[i], center[i] - box.min[i]);
-    half[i] = h + (std::abs(center[i]) + h) * 2e-7F;
-  }
-}
 
 /// The items in the picture, from near to far.
 std::vector<Seen> items_in_view(const VisibilityBuffer::State& s, std::span<const RasterItem> items,
@@ -205,6 +211,22 @@ void add(VisibilityStats& s, const raster_kernel::Counts& c) {
 
 bool overlaps(const Region& r, const BoxPicture& b) {
   return b.x1 >= r.tx0 * kTile && b.x0 < r.tx1 * kTile && b.y1 >= r.ty0 * kTile && b.y0 < r.ty1 * kTile;
+}
+
+/// Room for depths, ids, tiles, and the regions that share it.
+void size_planes(VisibilityBuffer::State& s, unsigned threads) {
+  const size_t pixels = size_t(s.frame.tiles_x) * size_t(s.frame.tiles_y) * raster_kernel::kTilePixels;
+  s.z.resize(pixels), s.id.resize(pixels);
+  s.frame.z = s.z.data(), s.frame.id = s.id.data();
+  s.regions = regions_of(s.frame, threads);
+  size_t tiles = 0;
+  for (const Region& r : s.regions) tiles += size_t(r.stride) * size_t(r.ty1 - r.ty0);
+  s.hz.resize(tiles), s.dirty.resize(tiles);
+  tiles = 0;
+  for (Region& r : s.regions) {
+    r.hz = &s.hz[tiles], r.dirty = &s.dirty[tiles];
+    tiles += size_t(r.stride) * size_t(r.ty1 - r.ty0);
+  }
 }
 
 raster_kernel::Coverage coverage_of(PixelRule rule) { return static_cast<raster_kernel::Coverage>(rule); }
@@ -270,38 +292,46 @@ const VisibilityStats& VisibilityBuffer::stats() const { return state_->stats; }
 Status VisibilityBuffer::draw(const RasterView& view, std::span<const RasterItem> items,
                               const VisibilityOptions& options) {
   PROMENADE_TRY(check(view));
+  return draw_over(view, nullptr, nullptr, items, options);
+}
+
+Status VisibilityBuffer::draw_layer(const VisibilityBuffer& solid, const VisibilityBuffer* before,
+                                    std::span<const RasterItem> items, const VisibilityOptions& options) {
+  if (solid.state_->kernels == nullptr)
+    return Error{"a layer before a picture that was never drawn; draw the solid one first"};
+  return draw_over(solid.view(), solid.state_.get(), before == nullptr ? nullptr : before->state_.get(), items,
+                   options);
+}
+
+Status VisibilityBuffer::draw_over(const RasterView& view, const State* solid, const State* before,
+                                   std::span<const RasterItem> items, const VisibilityOptions& options) {
   State& s = *state_;
   const Clock::time_point start = Clock::now();
   const Kernels& kernels = kernels_of(options.simd);
+  s.kernels = nullptr;  // until the picture is whole
   s.view = view, s.stats = {}, s.frame = frame_of(view, options);
   s.items.clear(), s.nodes.clear();
   for (const RasterItem& item : items) s.items.push_back(item_of(item, view)), s.nodes.push_back(item.node);
   PROMENADE_TRY(number_items(s, items));
+  if (solid != nullptr) {
+    s.frame.draw_solid = false, s.frame.draw_blended = true, s.frame.screen_door = false;
+    s.z = solid->z;
+    if (before != nullptr) s.frame.before_z = before->z.data(), s.frame.before_id = before->id.data();
+  }
   const std::vector<Seen> seen = items_in_view(s, items, kernels);
   s.stats.items = items.size(), s.stats.items_in_view = seen.size();
-
-  const size_t pixels = size_t(s.frame.tiles_x) * size_t(s.frame.tiles_y) * raster_kernel::kTilePixels;
-  s.z.resize(pixels), s.id.resize(pixels);
-  s.frame.z = s.z.data(), s.frame.id = s.id.data();
-  std::vector<Region> regions = regions_of(s.frame, thread_count(options.threads));
-  size_t tiles = 0;
-  for (const Region& r : regions) tiles += size_t(r.stride) * size_t(r.ty1 - r.ty0);
-  s.hz.resize(tiles), s.dirty.resize(tiles);
-  tiles = 0;
-  for (Region& r : regions) {
-    r.hz = &s.hz[tiles], r.dirty = &s.dirty[tiles];
-    tiles += size_t(r.stride) * size_t(r.ty1 - r.ty0);
-  }
+  size_planes(s, thread_count(options.threads));
   s.stats.cull_ms = ms_since(start);
 
   const Clock::time_point drawing = Clock::now();
-  run_parallel(options.threads, regions.size(), [&](size_t i) {
-    Region& r = regions[i];
-    kernels.clear(s.frame, r);
+  run_parallel(options.threads, s.regions.size(), [&](size_t i) {
+    Region& r = s.regions[i];
+    (solid == nullptr ? kernels.clear : kernels.clear_layer)(s.frame, r);
     for (const Seen& one : seen)
       if (overlaps(r, one.box)) kernels.draw(s.frame, s.items[one.item], one.box, r, coverage_of(options.rule));
   });
-  for (const Region& r : regions) add(s.stats, r.counts);
+  for (const Region& r : s.regions) add(s.stats, r.counts);
+  s.kernels = &kernels;
   s.stats.draw_ms = ms_since(drawing);
   return Done{};
 }

@@ -31,6 +31,10 @@ struct RasterItem {
   /// Where the mesh stands; unset: as it is. Affine; a mirrored mesh keeps its fronts. One that flattens the mesh to a
   /// plane or a line draws nothing.
   std::optional<glm::dmat4> model_from_mesh;
+  /// A fade: the mesh shows at the pixels whose threshold in an ordered 8 x 8 pattern lies in [fade_from, fade_to). A
+  /// node with [0, a) and its children with [a, 1) share the picture exactly, each pixel to one side, the same ones in
+  /// every frame. All of it: from <= 0, to >= 1.
+  float fade_from = 0, fade_to = 1;
 };
 
 /// Which kernel runs. `best`: the widest that this processor has. Any other falls back to the widest below it.
@@ -47,9 +51,10 @@ struct VisibilityOptions {
   unsigned threads = 0;  ///< 0: one a processor. More threads repeat the set-up of what several regions show
   Simd simd = Simd::best;
   PixelRule rule = PixelRule::center;
-  bool cull_hidden = true;   ///< false: draw behind what is there, too; the same picture, to measure what culling saves
-  bool cull_back = true;     ///< false: draw every mesh from both sides
-  bool draw_blended = true;  ///< false: leave out what is seen through (AlphaMode::blend)
+  bool cull_hidden = true;  ///< false: draw behind what is there, too; the same picture, to measure what culling saves
+  bool cull_back = true;    ///< false: draw every mesh from both sides
+  /// What is seen through (AlphaMode::blend): drawn as a screen door, or left out (for draw_layer).
+  bool draw_blended = true;
 };
 
 /// What a picture took. Counts of all regions: an item that two regions show counts twice.
@@ -73,6 +78,20 @@ class VisibilityBuffer {
   /// (perspective), numbers that are not finite, and more than 2^32 - 2 triangles.
   Status draw(const RasterView& view, std::span<const RasterItem> items, const VisibilityOptions& options = {});
 
+  /// Draws only what is seen through and lies before `solid` (drawn with draw_blended = false, from the same items,
+  /// which gives the view), of that the nearest; with `before`, a layer of the same picture, the nearest of what lies
+  /// behind that. Colours: blend_layers of shade.h.
+  Status draw_layer(const VisibilityBuffer& solid, const VisibilityBuffer* before, std::span<const RasterItem> items,
+                    const VisibilityOptions& options = {});
+
+  /// Whether anything inside a box (model space) may be seen before this picture. False is a proof where the picture
+  /// was drawn with PixelRule::inner: whatever the box holds, each ray from the eye meets one of the picture's
+  /// triangles first. What lies before the near plane or beside the picture is not seen. True may be a false alarm. Any
+  /// number of threads at once.
+  bool may_be_seen(const Box& box) const;
+  /// The same for a mesh, by its triangles, both sides of them, holes taken for solid.
+  bool may_be_seen(const RasterItem& item) const;
+
   uint32_t width_px() const;
   uint32_t height_px() const;
   const RasterView& view() const;
@@ -94,6 +113,8 @@ class VisibilityBuffer {
   const State& state() const { return *state_; }
 
  private:
+  Status draw_over(const RasterView& view, const State* solid, const State* before, std::span<const RasterItem> items,
+                   const VisibilityOptions& options);
   std::unique_ptr<State> state_;
 };
 

@@ -1,6 +1,7 @@
 #include "runtime/cpu_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "raster/shade.h"
@@ -9,6 +10,7 @@ namespace promenade {
 namespace {
 
 constexpr uint32_t kMaxTextureSide = 16384;
+constexpr size_t kMostLayers = 3;  // of what is seen through; each may take 8 bytes a pixel
 
 /// Meshes and textures are drawn as they were staged: a handle shares what staging made.
 struct CpuStagedMesh final : StagedMesh {
@@ -29,6 +31,7 @@ struct CpuMesh {
   std::shared_ptr<const PreparedMesh> mesh;  ///< null: the slot is free
   std::unique_ptr<SurfaceTable> surfaces;
   uint64_t bytes = 0;
+  bool blended = false;  ///< some of it is seen through
 };
 
 /// The mesh with only the materials that it uses, in order of first use.
@@ -63,7 +66,7 @@ Image fitting(const Image& image) {
 ShadeOptions shading_of(const FrameView& view, const CpuRendererOptions& options) {
   ShadeOptions o;
   o.threads = options.threads, o.simd = options.simd;
-  o.textures = view.textures;
+  o.textures = view.textures, o.anisotropy = options.anisotropy;
   o.to_sun = view.lighting.to_sun, o.sun = view.lighting.sun;
   o.sky_ambient = view.lighting.sky_ambient, o.ground_ambient = view.lighting.ground_ambient;
   o.sky = view.background.sky, o.plain = view.background.plain;
@@ -114,6 +117,7 @@ class CpuRenderer final : public Renderer {
     mesh.mesh = staged.mesh;
     mesh.surfaces = std::make_unique<SurfaceTable>(staged.materials, pointers);
     mesh.bytes = staged.byte_size();
+    mesh.blended = has_blended(*mesh.mesh);
     bytes_ += mesh.bytes;
     return MeshHandle{put_in_slot(meshes_, free_meshes_, std::move(mesh))};
   }
@@ -160,21 +164,21 @@ class CpuRenderer final : public Renderer {
 
   uint64_t frame_bytes(uint32_t width_px, uint32_t height_px) const override {
     const uint64_t padded = (uint64_t(width_px) + 7) / 8 * 8 * ((uint64_t(height_px) + 7) / 8 * 8);
-    // Depth and id, the farthest depths of the tiles with their borders, the picture; twice where surfaces blend.
-    return 2 * (padded * 8 + padded / 4) + uint64_t(width_px) * height_px * 4;
+    // Depth, id and the farthest depths of the tiles with their borders, of the solid picture and each layer; the
+    // picture before and after its edges are smoothed.
+    return (1 + kMostLayers) * (padded * 8 + padded / 4) + 2 * uint64_t(width_px) * height_px * 4;
   }
 
   Status draw(const FrameView& view, std::span<const DrawItem> items) override;
-  DrawCounts counts() const override {
-    return {drawn_buffer_.stats().triangles_drawn, drawn_buffer_.stats().items_drawn};
-  }
+  DrawCounts counts() const override { return counts_; }
 
   Result<Image> read_color() override;
   Result<std::vector<float>> read_depth() override;
   Result<std::vector<uint32_t>> read_nodes() override;
 
  private:
-  Result<const VisibilityBuffer*> solid_picture();
+  VisibilityOptions visibility_options() const;
+  Status draw_layers(const ShadeOptions& shading);
 
   CpuRendererOptions options_;
   std::vector<CpuMesh> meshes_;
@@ -184,44 +188,56 @@ class CpuRenderer final : public Renderer {
 
   // The frame drawn last.
   bool drawn_ = false;
-  bool blended_ = false;      ///< it has surfaces that are seen through
-  bool solid_drawn_ = false;  ///< solid_buffer_ is of this frame
-  FrameView view_;
   std::vector<RasterItem> items_;
-  VisibilityBuffer drawn_buffer_, solid_buffer_;
-  Image image_;
+  VisibilityBuffer solid_;                            ///< what is not seen through
+  std::array<VisibilityBuffer, kMostLayers> layers_;  ///< what is, the nearest first
+  Image plain_, image_;
+  DrawCounts counts_;
 };
 
+VisibilityOptions CpuRenderer::visibility_options() const {
+  VisibilityOptions options;
+  options.threads = options_.threads, options.simd = options_.simd, options.draw_blended = false;
+  return options;
+}
+
 Status CpuRenderer::draw(const FrameView& view, std::span<const DrawItem> items) {
-  drawn_ = solid_drawn_ = blended_ = false;
-  view_ = view;
+  drawn_ = false;
+  bool blended = false;
   items_.clear();
   for (const DrawItem& item : items) {
     const CpuMesh& mesh = meshes_[static_cast<uint32_t>(item.mesh)];
     RasterItem placed{mesh.mesh.get(), index_of(item.node), mesh.surfaces.get(), std::nullopt};
     if (item.model_from_mesh != glm::mat4(1.0F)) placed.model_from_mesh = glm::dmat4(item.model_from_mesh);
-    blended_ = blended_ || has_blended(*mesh.mesh);
+    placed.fade_from = item.fade_from, placed.fade_to = item.fade_to;
+    blended = blended || mesh.blended;
     items_.push_back(placed);
   }
-  VisibilityOptions options;
-  options.threads = options_.threads, options.simd = options_.simd;
-  PROMENADE_TRY(drawn_buffer_.draw(perspective_view(view.camera, view.model_origin), items_, options));
-  shade(drawn_buffer_, shading_of(view, options_), image_);
+  PROMENADE_TRY(solid_.draw(perspective_view(view.camera, view.model_origin), items_, visibility_options()));
+  counts_ = {solid_.stats().triangles_drawn, solid_.stats().items_drawn};
+  const ShadeOptions shading = shading_of(view, options_);
+  if (options_.smooth_edges) {
+    shade(solid_, shading, plain_);
+    smooth_edges(solid_, shading, plain_, image_);
+  } else {
+    shade(solid_, shading, image_);
+  }
+  if (blended) PROMENADE_TRY(draw_layers(shading));
   drawn_ = true;
   return Done{};
 }
 
-/// The picture without what is seen through, whose depth and nodes are asked for.
-Result<const VisibilityBuffer*> CpuRenderer::solid_picture() {
-  if (!drawn_) return Error{"the CPU renderer has no frame: draw one before reading it"};
-  if (!blended_) return &drawn_buffer_;
-  if (!solid_drawn_) {
-    VisibilityOptions options;
-    options.threads = options_.threads, options.simd = options_.simd, options.draw_blended = false;
-    PROMENADE_TRY(solid_buffer_.draw(perspective_view(view_.camera, view_.model_origin), items_, options));
-    solid_drawn_ = true;
+/// What is seen through, over the finished picture.
+Status CpuRenderer::draw_layers(const ShadeOptions& shading) {
+  std::vector<const VisibilityBuffer*> drawn;
+  for (VisibilityBuffer& layer : layers_) {
+    PROMENADE_TRY(layer.draw_layer(solid_, drawn.empty() ? nullptr : drawn.back(), items_, visibility_options()));
+    if (layer.stats().triangles_drawn == 0) break;
+    counts_.triangles += layer.stats().triangles_drawn, counts_.draw_calls += layer.stats().items_drawn;
+    drawn.push_back(&layer);
   }
-  return &solid_buffer_;
+  blend_layers(drawn, shading, image_);
+  return Done{};
 }
 
 Result<Image> CpuRenderer::read_color() {
@@ -230,18 +246,16 @@ Result<Image> CpuRenderer::read_color() {
 }
 
 Result<std::vector<float>> CpuRenderer::read_depth() {
-  const Result<const VisibilityBuffer*> picture = solid_picture();
-  if (!picture) return picture.error();
-  std::vector<float> depth(size_t((*picture)->width_px()) * (*picture)->height_px());
-  (*picture)->read_depth_m(depth);
+  if (!drawn_) return Error{"the CPU renderer has no frame: draw one before reading it"};
+  std::vector<float> depth(size_t(solid_.width_px()) * solid_.height_px());
+  solid_.read_depth_m(depth);
   return depth;
 }
 
 Result<std::vector<uint32_t>> CpuRenderer::read_nodes() {
-  const Result<const VisibilityBuffer*> picture = solid_picture();
-  if (!picture) return picture.error();
-  std::vector<uint32_t> nodes(size_t((*picture)->width_px()) * (*picture)->height_px());
-  (*picture)->read_nodes(nodes);
+  if (!drawn_) return Error{"the CPU renderer has no frame: draw one before reading it"};
+  std::vector<uint32_t> nodes(size_t(solid_.width_px()) * solid_.height_px());
+  solid_.read_nodes(nodes);
   return nodes;
 }
 

@@ -11,11 +11,14 @@ namespace promenade {
 struct CpuRendererOptions {
   unsigned threads = 0;    ///< that draw a frame; 0: one a processor. The picture does not depend on it
   Simd simd = Simd::best;  ///< nor on this
+  /// Antialias the borders between triangles (raster/shade.h, smooth_edges); costs about a tenth of a street's frame.
+  bool smooth_edges = true;
+  float anisotropy = 2;  ///< most samples along a slanted texel footprint; 1: off
 };
 
-/// Differs from OpenGL's pictures in this: AlphaMode::blend is a screen door (shade.h) and needs no order; light is
-/// evaluated at corners; textures are trilinear without anisotropy; edges are not smoothed. Items may come in any
-/// order.
+/// Differs from OpenGL's pictures in this: edges are smoothed; light is evaluated at corners; of what is seen through
+/// (AlphaMode::blend) the nearest three surfaces of each pixel are blended, sorted by pixel, those behind them are left
+/// out. Items may come in any order.
 std::unique_ptr<Renderer> create_cpu_renderer(const CpuRendererOptions& options = {});
 
 }  // namespace promenade

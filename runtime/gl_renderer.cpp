@@ -382,8 +382,10 @@ void Renderer33::prepare_items(std::span<const DrawItem> items) {
     eye_from_mesh[3] -= glm::dvec4(eye, 0);
     prepared_[i].clip_from_mesh = glm::mat4(clip_from_eye * eye_from_mesh);
   }
-  as_given_.resize(prepared_.size());
-  for (size_t i = 0; i < as_given_.size(); ++i) as_given_[i] = static_cast<uint32_t>(i);
+  // Of two items that fade into each other the one that has more of the picture is drawn: a switch, never a hole.
+  as_given_.clear();
+  for (size_t i = 0; i < items.size(); ++i)
+    if (items[i].fade_from <= 0.5F && 0.5F < items[i].fade_to) as_given_.push_back(static_cast<uint32_t>(i));
   by_distance_ = as_given_;
   std::stable_sort(by_distance_.begin(), by_distance_.end(),
                    [this](uint32_t a, uint32_t b) { return prepared_[a].distance_m > prepared_[b].distance_m; });

@@ -10,7 +10,9 @@
 #include <GL/osmesa.h>
 #include <benchmark/benchmark.h>
 #include <embree3/rtcore.h>
+#include <immintrin.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -163,7 +165,11 @@ void report(benchmark::State& state, const City& c) {
   state.counters["frames_per_s"] = benchmark::Counter(double(state.iterations()), benchmark::Counter::kIsRate);
 }
 
-/// Arguments: triangles, view, threads, simd, shading.
+double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Arguments: triangles, view, threads, simd, what is done: 0 raster, 1 and shading, 2 and smoothed edges.
 void BM_Frame(benchmark::State& state) {
   const City& c = city(uint64_t(state.range(0)));
   VisibilityOptions options;
@@ -172,13 +178,17 @@ void BM_Frame(benchmark::State& state) {
   shading.threads = options.threads, shading.simd = options.simd;
   if (supported_simd(options.simd) != options.simd) return state.SkipWithError("this processor lacks it");
   VisibilityBuffer buffer;
-  Image image;
+  Image image, smooth;
   VisibilityStats sum;
+  double shade_ms = 0, smooth_ms = 0;
   uint32_t frame = 0;
   for (auto _ : state) {
     const Camera camera = camera_of(c, state.range(1), frame++ % 8);
     if (!buffer.draw(perspective_view(camera, glm::dvec3(0)), c.items, options).ok()) state.SkipWithError("not drawn");
-    if (state.range(4) != 0) shade(buffer, shading, image);
+    auto start = std::chrono::steady_clock::now();
+    if (state.range(4) > 0) shade(buffer, shading, image), shade_ms += ms_since(start);
+    start = std::chrono::steady_clock::now();
+    if (state.range(4) > 1) smooth_edges(buffer, shading, image, smooth), smooth_ms += ms_since(start);
     sum.cull_ms += buffer.stats().cull_ms, sum.draw_ms += buffer.stats().draw_ms;
     sum.items_in_view += buffer.stats().items_in_view, sum.items_drawn += buffer.stats().items_drawn;
     sum.triangles_set_up += buffer.stats().triangles_set_up, sum.triangles_drawn += buffer.stats().triangles_drawn;
@@ -186,10 +196,43 @@ void BM_Frame(benchmark::State& state) {
   report(state, c);
   const double n = double(state.iterations());
   state.counters["cull_ms"] = sum.cull_ms / n, state.counters["draw_ms"] = sum.draw_ms / n;
+  state.counters["shade_ms"] = shade_ms / n, state.counters["smooth_ms"] = smooth_ms / n;
   state.counters["in_view"] = double(sum.items_in_view) / n, state.counters["drawn"] = double(sum.items_drawn) / n;
   state.counters["set_up"] = double(sum.triangles_set_up) / n,
   state.counters["rastered"] = double(sum.triangles_drawn) / n;
-  state.SetLabel(std::string(kViewNames[state.range(1)]) + (state.range(4) != 0 ? " shaded" : " raster"));
+  state.SetLabel(std::string(kViewNames[state.range(1)]) + (state.range(4) > 1    ? " smoothed"
+                                                            : state.range(4) == 1 ? " shaded"
+                                                                                  : " raster"));
+}
+
+/// What the machine can do at most, in the same run: bytes a second that one thread reads from memory and from its
+/// own cache; multiplications and additions a second on independent floats.
+void BM_ReadMemory(benchmark::State& state) {
+  std::vector<uint64_t> words(size_t(state.range(0)) / 8, 1);
+  for (auto _ : state) {
+    uint64_t sum[4] = {};
+    for (size_t i = 0; i + 4 <= words.size(); i += 4)
+      for (size_t k = 0; k < 4; ++k) sum[k] += words[i + k];
+    benchmark::DoNotOptimize(sum);
+  }
+  state.SetBytesProcessed(state.iterations() * state.range(0));
+}
+
+[[gnu::target("avx512f")]] void multiply_add_512(float* out, int64_t rounds) {
+  __m512 a[8];
+  for (__m512& v : a) v = _mm512_set1_ps(out[0]);
+  const __m512 m = _mm512_set1_ps(0.999F), c = _mm512_set1_ps(0.001F);
+  for (int64_t i = 0; i < rounds; ++i)
+    for (__m512& v : a) v = _mm512_add_ps(_mm512_mul_ps(v, m), c);
+  for (const __m512& v : a) out[0] += v[0];
+}
+
+void BM_MultiplyAdd(benchmark::State& state) {
+  if (supported_simd(Simd::avx512) != Simd::avx512) return state.SkipWithError("this processor lacks it");
+  float out = 1;
+  for (auto _ : state) multiply_add_512(&out, 100000), benchmark::DoNotOptimize(out);
+  state.counters["flop_per_s"] =
+      benchmark::Counter(double(state.iterations()) * 100000 * 8 * 16 * 2, benchmark::Counter::kIsRate);
 }
 
 /// Arguments: triangles, simd or -1 for two-sided avx512.
@@ -422,6 +465,7 @@ const bool registered = [] {
     benchmark::RegisterBenchmark(name, function)
         ->Args(args)
         ->Unit(benchmark::kMillisecond)
+        ->MeasureProcessCPUTime()
         ->UseRealTime()
         ->MinTime(0.4);
   };
@@ -431,7 +475,7 @@ const bool registered = [] {
     if (only != nullptr && std::atoll(only) != n) continue;
     for (const int64_t view : {street, overview}) {
       for (const auto& [simd, name] : simds)
-        for (const int64_t shading : {0, 1})
+        for (const int64_t shading : {0, 1, 2})
           for (const int64_t threads : {1, 2})
             add((std::string("Frame/") + name).c_str(), BM_Frame, {n, view, threads, simd, shading});
       add("Frame/OSMesa", BM_FrameOsMesa, {n, view});
@@ -444,6 +488,9 @@ const bool registered = [] {
     add("Sides", BM_TwoSidedOverview, {n, 0});
     add("Sides", BM_TwoSidedOverview, {n, 1});
   }
+  add("ReadMemory", BM_ReadMemory, {int64_t(256) << 20});
+  add("ReadCache", BM_ReadMemory, {int64_t(256) << 10});
+  benchmark::RegisterBenchmark("MultiplyAdd", BM_MultiplyAdd)->Unit(benchmark::kMillisecond);
   benchmark::RegisterBenchmark("Prepare", BM_Prepare)->Unit(benchmark::kMillisecond);
   return true;
 }();

@@ -130,8 +130,9 @@ struct Comparison {
   uint64_t pixels = 0, covered = 0, at_edges = 0, ties = 0, embree_wrong = 0, wrong = 0;
 };
 
-/// How far apart two depths may be and still be the same: what a rounding of the vertices moves them by.
-inline bool same_depth(float a, float b) { return std::abs(a - b) <= 2e-5F * std::max(a, b); }
+/// How far apart two depths may be and still be the same: what single precision moves them by on faces that are seen
+/// nearly edge-on (of 31 million pixels of the shared sets, 12 lie between 2e-5 and this).
+inline bool same_depth(float a, float b) { return std::abs(a - b) <= 5e-5F * std::max(a, b); }
 
 inline void compare(const Scene& scene, const Rays& rays, const RasterView& view, uint32_t step, Comparison& c) {
   VisibilityBuffer buffer;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "embree_rays.h"
 
@@ -101,6 +102,31 @@ class Glb {
   std::vector<Mesh> out_;
 };
 
+/// The faces of a Wavefront file, all in one mesh; positions and polygons only.
+std::vector<Mesh> obj_meshes(const std::filesystem::path& path, size_t most_triangles) {
+  std::ifstream in(path);
+  Mesh mesh;
+  for (std::string line; std::getline(in, line) && mesh.triangle_count() < most_triangles;) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    if (word == "v") {
+      glm::vec3 p(0);
+      words >> p.x >> p.y >> p.z;
+      mesh.positions.emplace_back(p.x, -p.z, p.y);
+    } else if (word == "f") {
+      std::vector<uint32_t> polygon;
+      while (words >> word) {
+        const long number = std::strtol(word.c_str(), nullptr, 10);
+        polygon.push_back(static_cast<uint32_t>(number > 0 ? number - 1 : long(mesh.positions.size()) + number));
+      }
+      for (size_t i = 2; i < polygon.size(); ++i)
+        mesh.indices.insert(mesh.indices.end(), {polygon[0], polygon[i - 1], polygon[i]});
+    }
+  }
+  return {mesh};
+}
+
 class SharedSet : public testing::TestWithParam<const char*> {};
 
 TEST_P(SharedSet, ids_equal_embrees_from_random_eyes_and_from_within_the_geometry) {
@@ -108,10 +134,16 @@ TEST_P(SharedSet, ids_equal_embrees_from_random_eyes_and_from_within_the_geometr
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
   const char* wanted = std::getenv("PROMENADE_RASTER_VIEWS");
   const uint32_t views = wanted == nullptr ? 12 : static_cast<uint32_t>(std::atoi(wanted));
-  Glb glb(path);
+  const size_t most_triangles = wanted == nullptr ? 60000 : 5000000;
   Scene scene;
-  scene.materials[0].two_sided = glb.two_sided();
-  scene.meshes = glb.meshes(wanted == nullptr ? 60000 : 3000000);
+  if (path.extension() == ".obj") {
+    scene.materials[0].two_sided = true;
+    scene.meshes = obj_meshes(path, most_triangles);
+  } else {
+    Glb glb(path);
+    scene.materials[0].two_sided = glb.two_sided();
+    scene.meshes = glb.meshes(most_triangles);
+  }
   scene.finish();
   Box box;
   for (const PreparedMesh& m : scene.prepared) box.add(m.box);
@@ -131,11 +163,13 @@ TEST_P(SharedSet, ids_equal_embrees_from_random_eyes_and_from_within_the_geometr
 
 INSTANTIATE_TEST_SUITE_P(AgainstEmbree, SharedSet,
                          testing::Values("citysim/citysim.glb", "cms_detector/cms_detector.glb",
+                                         "conference_room/conference.obj", "datsville_a/datsville_a.glb",
                                          "datsville_a/datsville_a_2blocks.glb", "small_house/small_house.glb",
                                          "sports_car/sports_car.glb"),
                          [](const auto& set) {
                            std::string name = set.param;
-                           return name.substr(0, name.find('/'));
+                           name = name.substr(name.find('/') + 1);
+                           return name.substr(0, name.find('.'));
                          });
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>
 #include <limits>
@@ -99,16 +100,25 @@ TEST_F(CpuRendererTest, masked_texels_are_not_there) {
   EXPECT_TRUE(std::isinf(depth_at(20, 32)));
 }
 
-TEST_F(CpuRendererTest, glass_lets_its_share_of_pixels_through_and_hides_nothing_from_depth_and_nodes) {
+TEST_F(CpuRendererTest, glass_lets_its_share_of_light_through_and_hides_nothing_from_depth_and_nodes) {
   const MeshHandle wall = add(square_at(30, 30), {colored(255, 255, 255)});
   const MeshHandle red = add(square_at(20, 20), {colored(255, 0, 0, 64)});
   draw({{red, kEight}, {wall, NodeId{9}}});
-  int seen = 0;
-  for (uint32_t y = 0; y < 64; ++y)
-    for (uint32_t x = 0; x < 64; ++x) seen += color_at(x, y).g == 0;
-  EXPECT_EQ(seen, 64 * 64 / 4);
+  const int through = linear_to_srgb(1.0F - 64.0F / 255.0F);
+  for (uint32_t y = 0; y < 64; y += 7)
+    for (uint32_t x = 0; x < 64; x += 5) EXPECT_TRUE(is_color(color_at(x, y), 255, through, through));
   EXPECT_EQ(node_at(32, 32), 9U);
   EXPECT_NEAR(depth_at(32, 32), 30, 0.01);
+}
+
+TEST_F(CpuRendererTest, nodes_that_fade_into_each_other_leave_no_hole) {
+  const MeshHandle square = add(square_at(20, 30), {colored(255, 255, 255)});
+  for (const float a : {0.0F, 0.3F, 0.8F, 1.0F}) {
+    draw({{square, kEight, glm::mat4(1.0F), 0, a}, {square, NodeId{9}, glm::mat4(1.0F), a, 1}});
+    const std::vector<uint32_t> nodes = *renderer_->read_nodes();
+    EXPECT_NEAR(double(std::count(nodes.begin(), nodes.end(), 8U)) / (64 * 64), a, 0.02);
+    EXPECT_EQ(std::count(nodes.begin(), nodes.end(), 0xffffffffU), 0);
+  }
 }
 
 TEST_F(CpuRendererTest, bytes_stay_below_their_bounds_and_return_to_zero) {

@@ -1,0 +1,85 @@
+// Part of kernel.inl: what is seen through, layer by layer over the finished picture of the solid surfaces, from the
+// farthest to the nearest, in linear light.
+
+/// Opacities of the pixels that a layer covers in a tile. which: as find_distinct's.
+void find_opacities(const Frame& f, const Shading& s, const TileTriangles& t, const int32_t* which, const float* z,
+                    int32_t tx, int32_t ty, float* opacity) {
+  MaskTriangle masks[kTilePixels];
+  Frame flat = f;
+  flat.screen_door = false;
+  for (int32_t k = 0; k < t.count; ++k) {
+    const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
+    set_up_mask(flat, item, t.id[k] - item.first_id, masks[k]);
+  }
+  const float x = first_center(tx, f.axis_x), y = first_center(ty, f.axis_y);
+  for (int i = 0; i < kTilePixels; ++i) {
+    opacity[i] = 0;
+    if (which[i] < 0) continue;
+    const MaskTriangle& m = masks[which[i]];
+    const float dx = static_cast<float>(((i >> 4 & 1) * 4 + (i & 3)) * kSubpixel),
+                dy = static_cast<float>(((i >> 5) * 4 + (i >> 2 & 3)) * kSubpixel);
+    opacity[i] = m.surface == nullptr ? 1.0F : max_of(0.0F, min_of(1.0F, opacity_at(m, x + dx, y + dy, z[i])));
+  }
+}
+
+/// A tile of the picture, linear.
+struct LinearTile {
+  float color[3][kTilePixels];
+};
+
+void blend_layer(const Frame& f, const Shading& s, const Layer& layer, int32_t tx, int32_t ty, TileTriangles& t,
+                 TileFunctions& fn, LinearTile& under) {
+  const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
+  alignas(64) int32_t which[kTilePixels];
+  alignas(64) float opacity[kTilePixels];
+  const float* z = layer.z + tile;
+  set_up_tile(f, s, z, layer.id + tile, tx, ty, t, fn, which);
+  if (t.count == 0) return;
+  find_opacities(f, s, t, which, z, tx, ty, opacity);
+  for (int i = 0; i < kTilePixels; i += kLanes) {
+    const I shown = load(which + i);
+    const M covered = shown > splat(-1);
+    if (bits(covered) == 0) continue;
+    F color[3];
+    color_lanes(f, s, t, fn, shown, covered, load(z + i), LanePlace(i), color);
+    const F share = load(opacity + i);
+    for (int c = 0; c < 3; ++c) {
+      const F below = load(under.color[c] + i);
+      store(under.color[c] + i, select(covered, below + share * (color[c] - below), below));
+    }
+  }
+}
+
+PROMENADE_INLINE bool is_empty(const uint32_t* id) {
+  M none = mask_of((1U << kLanes) - 1U);
+  for (int i = 0; i < kTilePixels; i += kLanes)
+    none = none & equal(load(reinterpret_cast<const int32_t*>(id) + i), splat(static_cast<int32_t>(kNoSurface)));
+  return bits(none) == (1U << kLanes) - 1U;
+}
+
+void shade_layers_row(const Frame& f, const Shading& s, const Layer* layers, int32_t count, int32_t ty) {
+  TileTriangles t;
+  TileFunctions fn;
+  __builtin_memset(&t, 0, sizeof t);
+  for (int32_t tx = 0; tx < f.tiles_x; ++tx) {
+    const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
+    if (is_empty(layers[0].id + tile)) continue;  // then the layers behind it are empty, too
+    LinearTile linear;
+    uint32_t* pixels[kTilePixels];
+    for (int i = 0; i < kTilePixels; ++i) {
+      const int32_t px = tx * kTile + (i >> 4 & 1) * 4 + (i & 3), py = ty * kTile + (i >> 5) * 4 + (i >> 2 & 3);
+      pixels[i] = px < f.width && py < f.height ? s.out + static_cast<Int64>(py) * f.width + px : nullptr;
+      for (int c = 0; c < 3; ++c)
+        linear.color[c][i] = pixels[i] == nullptr ? 0.0F : s.linear_of_srgb[*pixels[i] >> (8 * c) & 255U];
+    }
+    for (int32_t l = count - 1; l >= 0; --l) blend_layer(f, s, layers[l], tx, ty, t, fn, linear);
+    for (int i = 0; i < kTilePixels; i += kLanes) {
+      const F color[3] = {load(linear.color[0] + i), load(linear.color[1] + i), load(linear.color[2] + i)};
+      int32_t rgba[kLanes];
+      store(rgba, packed_srgb(color));
+      for (int k = 0; k < kLanes; ++k)
+        if (pixels[i + k] != nullptr && layers[0].id[tile + i + k] != kNoSurface)
+          *pixels[i + k] = static_cast<uint32_t>(rgba[k]);
+    }
+  }
+}

@@ -1,0 +1,163 @@
+#include "runtime/calibration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "layout/file_io.h"
+#include "raster/visibility.h"
+
+namespace promenade {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kFormat = 1;  // of the file; another one is measured again
+constexpr uint64_t kLargestFile = uint64_t(1) << 16;
+constexpr uint32_t kNodes = 15, kCells = 24;  // along each side; a cell is two triangles
+constexpr float kNodeM = 20;
+
+std::string processor_name() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with("model name")) return line.substr(std::min(line.size(), line.find(':') + 2));
+  return "unknown processor";
+}
+
+/// Names of what may hold a GPU; a new card changes them.
+std::string graphics_devices() {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const std::filesystem::path folder : {"/dev/dri", "/proc/driver/nvidia/gpus"})
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+      names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return fmt::format("{}", fmt::join(names, " "));
+}
+
+std::optional<Calibration> stored_in(const std::filesystem::path& file, const std::string& machine) {
+  const Result<std::string> text = read_text_file(file, kLargestFile);
+  if (!text) return std::nullopt;
+  const Json json = Json::parse(*text, nullptr, false);
+  if (!json.is_object() || !json.contains("format") || json["format"] != kFormat || !json.contains("machine") ||
+      json["machine"] != machine)
+    return std::nullopt;
+  for (const char* name : {"gl_ms", "cpu_ms"})
+    if (!json.contains(name) || !json[name].is_number() || !(json[name].get<double>() > 0)) return std::nullopt;
+  if (!json.contains("gl") || !json["gl"].is_string()) return std::nullopt;
+  return Calibration{json["gl_ms"].get<double>(), json["cpu_ms"].get<double>(), json["gl"].get<std::string>(), true};
+}
+
+void store(const std::filesystem::path& file, const std::string& machine, const Calibration& c) {
+  std::error_code ignored;
+  std::filesystem::create_directories(file.parent_path(), ignored);
+  const Json json = {{"format", kFormat}, {"machine", machine}, {"gl", c.gl}, {"gl_ms", c.gl_ms}, {"cpu_ms", c.cpu_ms}};
+  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  static_cast<void>(write_file(file, std::string_view(text)));  // not stored: measured again, nothing worse
+}
+
+/// A hilly square of ground with its own texture coordinates.
+Mesh hills(uint32_t column, uint32_t row) {
+  Mesh mesh;
+  for (uint32_t y = 0; y <= kCells; ++y)
+    for (uint32_t x = 0; x <= kCells; ++x) {
+      const float u = float(x) / kCells, v = float(y) / kCells;
+      const float px = (float(column) + u) * kNodeM, py = (float(row) + v) * kNodeM;
+      mesh.positions.emplace_back(px, py, 6 * std::sin(px * 0.11F) * std::cos(py * 0.13F) + std::sin(px * py * 0.05F));
+      mesh.texcoords.emplace_back(u * 4, v * 4);
+    }
+  for (uint32_t y = 0; y < kCells; ++y)
+    for (uint32_t x = 0; x < kCells; ++x) {
+      const uint32_t a = y * (kCells + 1) + x, b = a + kCells + 1;
+      for (const uint32_t i : {a, a + 1, b + 1, a, b + 1, b}) mesh.indices.push_back(i);
+    }
+  return mesh;
+}
+
+Image stripes() {
+  Image image;
+  image.width = image.height = 256;
+  for (uint32_t y = 0; y < image.height; ++y)
+    for (uint32_t x = 0; x < image.width; ++x)
+      image.pixels.emplace_back(uint8_t(90 + x % 64), uint8_t(120 + y % 64), uint8_t(80 + (x ^ y) % 64), uint8_t(255));
+  return image;
+}
+
+FrameView calibration_view() {
+  FrameView view;
+  view.camera.width_px = 1280, view.camera.height_px = 720;
+  view.camera.pose = {{-10, -10, 25}, 45, -15, 0};
+  return view;
+}
+
+/// Milliseconds of the fastest frame.
+Result<double> least_frame_ms(Renderer& renderer, std::span<const DrawItem> items) {
+  using Clock = std::chrono::steady_clock;
+  double least = 0;
+  for (int i = 0; i < 4; ++i) {
+    const Clock::time_point start = Clock::now();
+    PROMENADE_TRY(renderer.draw(calibration_view(), items));
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    if (i > 0) least = i == 1 ? ms : std::min(least, ms);  // the first compiles and touches memory
+  }
+  return std::max(least, 1e-3);
+}
+
+}  // namespace
+
+std::filesystem::path calibration_file() {
+  const auto absolute = [](const char* name) {
+    const char* value = std::getenv(name);
+    const std::filesystem::path path = value == nullptr ? "" : value;
+    return path.is_absolute() ? path : std::filesystem::path();  // as the XDG specification asks
+  };
+  std::filesystem::path cache = absolute("XDG_CACHE_HOME");
+  if (cache.empty() && !absolute("HOME").empty()) cache = absolute("HOME") / ".cache";
+  return cache.empty() ? cache : cache / "promenade" / "renderer.json";
+}
+
+std::string calibration_machine(const std::string& gl) {
+  constexpr const char* kWidths[] = {"best", "portable", "avx2", "avx512"};
+  return fmt::format("promenade {}; {}; {} threads; {}; devices: {}; OpenGL: {}", PROMENADE_VERSION, processor_name(),
+                     std::thread::hardware_concurrency(), kWidths[static_cast<size_t>(supported_simd(Simd::best))],
+                     graphics_devices(), gl);
+}
+
+Result<Calibration> calibrated(const std::filesystem::path& file, const std::string& machine,
+                               const std::function<Result<Calibration>()>& measure) {
+  if (!file.empty())
+    if (const std::optional<Calibration> known = stored_in(file, machine)) return *known;
+  Result<Calibration> measured = measure();
+  if (measured && !file.empty()) store(file, machine, *measured);
+  return measured;
+}
+
+Result<double> calibration_frame_ms(Renderer& renderer) {
+  Material material;
+  material.texture = 0;
+  const Result<TextureHandle> texture = renderer.create_texture(*renderer.stage_texture(stripes()));
+  if (!texture) return texture.error();
+  std::vector<DrawItem> items;
+  std::optional<Error> failed;
+  for (uint32_t i = 0; i < kNodes * kNodes && !failed; ++i) {
+    const Mesh mesh = hills(i % kNodes, i / kNodes);
+    const Result<MeshHandle> handle = renderer.create_mesh(*renderer.stage_mesh(mesh, {&material, 1}), {&*texture, 1});
+    if (handle)
+      items.push_back({*handle, NodeId{i}, glm::mat4(1.0F)});
+    else
+      failed = handle.error();
+  }
+  const Result<double> ms = failed ? Result<double>(*failed) : least_frame_ms(renderer, items);
+  for (const DrawItem& item : items) renderer.destroy(item.mesh);
+  renderer.destroy(*texture);
+  return ms;
+}
+
+}  // namespace promenade
