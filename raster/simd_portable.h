@@ -12,6 +12,7 @@ namespace promenade::simd_portable {
 constexpr int kLanes = 4;
 using FloatBits = float __attribute__((vector_size(16)));
 using IntBits = int32_t __attribute__((vector_size(16)));
+using WordBits = uint32_t __attribute__((vector_size(16)));  // wraps, as the processors' integers do
 
 struct F {
   FloatBits v;
@@ -44,9 +45,9 @@ PROMENADE_INLINE F operator+(F a, F b) { return {a.v + b.v}; }
 PROMENADE_INLINE F operator-(F a, F b) { return {a.v - b.v}; }
 PROMENADE_INLINE F operator*(F a, F b) { return {a.v * b.v}; }
 PROMENADE_INLINE F operator/(F a, F b) { return {a.v / b.v}; }
-PROMENADE_INLINE I operator+(I a, I b) { return {a.v + b.v}; }
-PROMENADE_INLINE I operator-(I a, I b) { return {a.v - b.v}; }
-PROMENADE_INLINE I operator*(I a, I b) { return {a.v * b.v}; }
+PROMENADE_INLINE I operator+(I a, I b) { return {IntBits(WordBits(a.v) + WordBits(b.v))}; }
+PROMENADE_INLINE I operator-(I a, I b) { return {IntBits(WordBits(a.v) - WordBits(b.v))}; }
+PROMENADE_INLINE I operator*(I a, I b) { return {IntBits(WordBits(a.v) * WordBits(b.v))}; }
 PROMENADE_INLINE I operator&(I a, I b) { return {a.v & b.v}; }
 PROMENADE_INLINE I operator|(I a, I b) { return {a.v | b.v}; }
 PROMENADE_INLINE M operator&(M a, M b) { return {a.v & b.v}; }
@@ -57,7 +58,7 @@ PROMENADE_INLINE I shift_right(I a) {
 }
 template <int Bits>
 PROMENADE_INLINE I shift_left(I a) {
-  return {a.v << Bits};
+  return {IntBits(WordBits(a.v) << Bits)};
 }
 
 PROMENADE_INLINE M operator<(F a, F b) { return {a.v < b.v}; }
