@@ -114,7 +114,7 @@ Result<std::vector<DBox>> read_boxes(const std::filesystem::path& file) {
 }
 
 /// What can be seen from where.
-void add_cell_options(CLI::App& app, VisibilityOptions& o) {
+void add_cell_options(CLI::App& app, CellOptions& o) {
   CLI::Option_group* group = app.add_option_group("view cells", "What can be seen from where, computed once");
   o.cells = CellStyle::automatic;
   o.hiders = default_hiders();

@@ -27,7 +27,7 @@ struct BuildOptions {
   GeometryCodec geometry_codec = GeometryCodec::meshopt;
   uint32_t max_texture_px = 2048;  ///< longest side of a stored texture; 64 to 16384
   int jpeg_quality = 85;
-  VisibilityOptions visibility;
+  CellOptions visibility;
 };
 
 /// What `build --json` prints, besides build_wall_s and peak_rss_bytes.

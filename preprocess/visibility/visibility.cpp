@@ -43,7 +43,7 @@ float top_of(const Model& model) {
 /// Division of viewing space under way: the plan, and the vLODs of its cells.
 class Division {
  public:
-  Division(const ModelReader& reader, const ViewVolume& volume, CellUnits& units, const VisibilityOptions& options)
+  Division(const ModelReader& reader, const ViewVolume& volume, CellUnits& units, const CellOptions& options)
       : volume_(volume),
         units_(units),
         options_(options),
@@ -193,7 +193,7 @@ class Division {
 
   const ViewVolume& volume_;
   CellUnits& units_;
-  const VisibilityOptions& options_;
+  const CellOptions& options_;
   CellPlan plan_;
   float top_m_;
   uint32_t most_ = 0;
@@ -207,7 +207,7 @@ class Division {
   std::vector<Open> open_;  ///< leaves whose division helps
 };
 
-Result<ViewVolume> volume_of(const ModelReader& reader, const VisibilityOptions& options, JobMonitor& monitor) {
+Result<ViewVolume> volume_of(const ModelReader& reader, const CellOptions& options, JobMonitor& monitor) {
   Result<ViewVolume> volume = survey_volume(reader, viewing_space(reader.model()), kVoxels, monitor);
   if (!volume.ok()) return volume;
   if (options.walk_height_m) volume->keep_walkable(static_cast<float>(*options.walk_height_m));
@@ -220,7 +220,7 @@ Result<ViewVolume> volume_of(const ModelReader& reader, const VisibilityOptions&
   return volume;
 }
 
-CellStyle style_of(const VisibilityOptions& options, const ViewVolume& volume) {
+CellStyle style_of(const CellOptions& options, const ViewVolume& volume) {
   constexpr double kIndoors = 0.5;
   if (options.cells != CellStyle::automatic) return options.cells;
   return volume.roofed_share() > kIndoors ? CellStyle::kd : CellStyle::octree;
@@ -251,7 +251,7 @@ VisibilityFigures figures_of(const Visibility& made, const CellUnitCounts& units
 
 }  // namespace
 
-Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const VisibilityOptions& options,
+Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const CellOptions& options,
                                       uint64_t hash, const WorkFolder& folder, JobMonitor& monitor) {
   const Result<ViewVolume> volume = volume_of(reader, options, monitor);
   if (!volume.ok()) return volume.error();

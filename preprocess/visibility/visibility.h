@@ -22,7 +22,7 @@ enum class CellStyle : uint8_t {
   kd,         ///< along walls, floors and ceilings: for the inside of buildings
 };
 
-struct VisibilityOptions {
+struct CellOptions {
   CellStyle cells = CellStyle::none;
   std::vector<std::string> hiders;  ///< by name, in the order in which a cell asks them; empty: nothing is hidden
   double pixel_error = 1;           ///< bound of the fronts, pixels. Smaller: finer fronts, larger vLODs
@@ -41,14 +41,14 @@ struct VisibilityOptions {
 };
 
 /// The camera and the bound that the options name.
-FrontBound bound_of(const VisibilityOptions& options);
+FrontBound bound_of(const CellOptions& options);
 
 /// Refuses what no build can do; the message names the option.
-Status check_options(const VisibilityOptions& options);
+Status check_options(const CellOptions& options);
 /// Of every option that the result depends on.
-uint64_t hash_of(const VisibilityOptions& options);
+uint64_t hash_of(const CellOptions& options);
 /// By option name, for the manifest.
-std::map<std::string, std::string> settings_of(const VisibilityOptions& options);
+std::map<std::string, std::string> settings_of(const CellOptions& options);
 
 /// "none", "auto", "octree", "kd".
 std::string_view name_of(CellStyle style);
@@ -75,7 +75,7 @@ struct Visibility {
 /// from the smallest part. hash: of the model's bytes and all that hiders depend on. Same result at any thread count
 /// and after any interruption. Errors: reading the model, a hider's, the disk's, cancellation. Source: [chhugani2003]
 /// section 2.1.
-Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const VisibilityOptions& options,
+Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const CellOptions& options,
                                       uint64_t hash, const WorkFolder& folder, JobMonitor& monitor);
 
 }  // namespace promenade

@@ -89,7 +89,7 @@ class Seen : public testing::Test {
     reader.emplace(std::move(*opened));
     return *reader;
   }
-  Result<Visibility> seen_by(const std::vector<std::unique_ptr<Hider>>& hiders, const VisibilityOptions& options,
+  Result<Visibility> seen_by(const std::vector<std::unique_ptr<Hider>>& hiders, const CellOptions& options,
                              int threads = 2) {
     Result<WorkFolder> work = WorkFolder::open(folder.path() / "work", real_file_system());
     const tbb::global_control most(tbb::global_control::max_allowed_parallelism, 4);
@@ -174,7 +174,7 @@ class SeenHills : public Seen {
     options.max_cells = 200;
   }
   std::vector<std::unique_ptr<Hider>> hiders;
-  VisibilityOptions options;
+  CellOptions options;
 };
 
 TEST_F(SeenHills, cells_see_their_front_less_what_is_hidden) {
@@ -269,7 +269,7 @@ Mesh two_rooms_one_door() {
 
 TEST_F(Seen, two_rooms_one_door_are_three_cells_and_the_door_is_their_portal) {
   const ModelReader& model = model_of(two_rooms_one_door());
-  VisibilityOptions options;
+  CellOptions options;
   options.cells = CellStyle::automatic;
   options.cell_triangles = 1 << 30;
   const Result<Visibility> made = seen_by({}, options);

@@ -33,12 +33,12 @@ std::optional<CellStyle> cell_style_named(std::string_view name) {
   return std::nullopt;
 }
 
-FrontBound bound_of(const VisibilityOptions& options) {
+FrontBound bound_of(const CellOptions& options) {
   return {options.pixel_error,
           pixel_scale(options.width_px, options.height_px, options.vertical_fov_deg, options.error_at)};
 }
 
-Status check_options(const VisibilityOptions& o) {
+Status check_options(const CellOptions& o) {
   PROMENADE_TRY(check_number("pixel-error", o.pixel_error, 0, 1e6));
   PROMENADE_TRY(check_number("fov", o.vertical_fov_deg, 0, 179));
   PROMENADE_TRY(check_number("smallest-cell", o.smallest_cell_m, 0, 1e9));
@@ -51,7 +51,7 @@ Status check_options(const VisibilityOptions& o) {
   return Done{};
 }
 
-uint64_t hash_of(const VisibilityOptions& o) {
+uint64_t hash_of(const CellOptions& o) {
   ByteWriter writer;
   const FrontBound bound = bound_of(o);
   writer.value(o.cells), writer.value(bound.pixel_error), writer.value(bound.scale.focal_px);
@@ -63,7 +63,7 @@ uint64_t hash_of(const VisibilityOptions& o) {
   return checksum(writer.bytes());
 }
 
-std::map<std::string, std::string> settings_of(const VisibilityOptions& o) {
+std::map<std::string, std::string> settings_of(const CellOptions& o) {
   std::map<std::string, std::string> settings{{"cells", std::string(name_of(o.cells))}};
   if (o.cells == CellStyle::none) return settings;
   settings["hiders"] = o.hiders.empty() ? "none" : fmt::format("{}", fmt::join(o.hiders, ","));
