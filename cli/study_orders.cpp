@@ -13,6 +13,7 @@
 #include "layout/file_io.h"
 #include "layout/order.h"
 #include "layout/read_cost.h"
+#include "preprocess/node_order.h"
 #include "runtime/cursor.h"
 
 namespace promenade {
@@ -246,8 +247,10 @@ Status run(const Arguments& arguments, JobMonitor& monitor, Json& figures) {
   const Result<std::vector<MadeOrder>> orders = make_orders(study, arguments.order_file, monitor);
   if (!orders) return orders.error();
   std::vector<LayoutRow> rows;
-  for (const MadeOrder& made : *orders) rows.push_back(study.row_of(made, 0));
-  rows.front().is_default = true;
+  for (const MadeOrder& made : *orders) {
+    rows.push_back(study.row_of(made, 0));
+    rows.back().is_default = made.name == NodeOrderOptions().name;
+  }
   rows.push_back(study.row_of(best_of(*orders), arguments.copies));
   rows.push_back(study.row_by_step());
   figures["nodes"] = study.matrix().columns();
