@@ -227,6 +227,10 @@ Command add_build(CLI::App& program) {
   app->add_option("--jpeg-quality", options->jpeg_quality, "Of textures that are coded anew, 1 to 100")
       ->capture_default_str();
   add_cell_options(*app, options->visibility);
+  add_parsed<NodeOrderOptions>(*app, "--order", options->order, parse_node_order,
+                               "Order of meshes on disk in a model with cells: tour, bisection, hilbert, morton, input "
+                               "or file:FILE (a node's number a line)")
+      ->default_str("tour");
   add_import_options(*app, options->import);
   return {app, {}, [options](JobMonitor& monitor, Json& figures) { return run_build(*options, monitor, figures); }};
 }

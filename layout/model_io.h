@@ -29,6 +29,8 @@ class ModelWriter {
   /// whole model, though not under its name, that can be opened at staged_folder().
   Status stage(ModelTables tables, ModelManifest manifest);
   std::filesystem::path staged_folder() const;
+  /// Lays the staged model's meshes out in this order of its nodes, each of them once. Before add_cells.
+  Status reorder(std::span<const uint32_t> nodes);
   /// View cells for the staged model. At most once.
   Status add_cells(const CellTables& cells, const VlodSource& vlod_of);
   /// Renames the staged model to its name.

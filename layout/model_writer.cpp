@@ -80,7 +80,7 @@ struct ModelWriter::State {
   std::optional<AtomicFile> textures;
   std::vector<SegmentRecord> segments;
   StoredManifest staged;
-  ModelTables staged_tree;  ///< nodes, children and roots
+  ModelTables staged_tables;
   bool published = false;
 
   State() = default;
@@ -183,19 +183,44 @@ Status ModelWriter::stage(ModelTables tables, ModelManifest manifest) {
   PROMENADE_TRY(s.textures->commit());
   PROMENADE_TRY(write_file(s.partial / kTablesName, table_bytes, *s.files));
   s.staged = {std::move(model.manifest), checksum(table_bytes)};
-  s.staged_tree.nodes = std::move(model.tables.nodes);
-  s.staged_tree.children = std::move(model.tables.children);
-  s.staged_tree.roots = std::move(model.tables.roots);
+  s.staged_tables = std::move(model.tables);
   return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
 }
 
 std::filesystem::path ModelWriter::staged_folder() const { return state_->partial; }
 
+Status ModelWriter::reorder(std::span<const uint32_t> nodes) {
+  State& s = *state_;
+  ModelTables& tables = s.staged_tables;
+  const Result<RandomAccessFile> from = RandomAccessFile::open(s.partial / kGeometryName, *s.files);
+  if (!from) return from.error();
+  Result<AtomicFile> to = AtomicFile::create(s.partial / kGeometryName, *s.files);
+  if (!to) return to.error();
+  std::vector<SegmentRecord> moved = tables.segments;
+  std::vector<std::byte> bytes;
+  for (const uint32_t node : nodes) {
+    const SegmentRecord& segment = tables.segments[tables.nodes[node].segment];
+    bytes.resize(segment.stored_bytes);
+    PROMENADE_TRY(from->read(segment.offset, bytes));
+    moved[tables.nodes[node].segment].offset = to->size();
+    PROMENADE_TRY(to->write(bytes));
+  }
+  if (to->size() != from->size())
+    return Error{
+        fmt::format("{}: an order of {} bytes of meshes, there are {}", s.path.string(), to->size(), from->size())};
+  PROMENADE_TRY(to->commit());
+  tables.segments = std::move(moved);
+  const std::vector<std::byte> table_bytes = encode_tables(tables);
+  PROMENADE_TRY(write_file(s.partial / kTablesName, table_bytes, *s.files));
+  s.staged.tables_checksum = checksum(table_bytes);
+  return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
+}
+
 Status ModelWriter::add_cells(const CellTables& cells, const VlodSource& vlod_of) {
   State& s = *state_;
-  const Result<NodeForest> forest = node_forest(s.staged_tree);
+  const Result<NodeForest> forest = node_forest(s.staged_tables);
   if (!forest) return Error{fmt::format("{}: {}", s.path.string(), forest.error().message)};
-  const CellsOwner owner{s.staged.tables_checksum, static_cast<uint32_t>(s.staged_tree.nodes.size())};
+  const CellsOwner owner{s.staged.tables_checksum, static_cast<uint32_t>(s.staged_tables.nodes.size())};
   const Result<uint64_t> bytes = write_cells(s.partial / kCellsName, cells, owner, *forest, vlod_of, *s.files);
   if (!bytes) return bytes.error();
   std::vector<ModelManifest::File>& names = s.staged.manifest.files;

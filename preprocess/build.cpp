@@ -91,6 +91,7 @@ uint64_t hash_of(const BuildOptions& o, uint64_t tree_hash) {
   if (o.visibility.cells == CellStyle::none) return tree_hash;
   ByteWriter writer;
   writer.value(tree_hash), writer.value(hash_of(o.visibility));
+  writer.text(o.order.name), writer.text(o.order.file.string());
   return checksum(writer.bytes());
 }
 
@@ -105,6 +106,7 @@ std::map<std::string, std::string> settings_of(const BuildOptions& o, const Memo
       {"chunk-triangles", fmt::format("{}", budget.chunk_triangles)},
   };
   settings.merge(settings_of(o.visibility));
+  if (o.visibility.cells != CellStyle::none) settings["order"] = o.order.name;
   if (o.import.unit_m) settings["unit"] = fmt::format("{}", *o.import.unit_m);
   if (o.import.up) settings["up"] = *o.import.up == UpAxis::y ? "y" : "z";
   return settings;
@@ -245,6 +247,9 @@ class Build {
     figures_.units_total += made->figures.units.total;
     figures_.units_resumed += made->figures.units.resumed;
     const auto nodes = static_cast<uint32_t>(reader->model().tables.nodes.size());
+    const Result<ColumnOrder> order = node_order(reader->model(), *made, options_.order);
+    if (!order.ok()) return order.error();
+    PROMENADE_TRY(writer.reorder(*order));
     return writer.add_cells(made->cells, [&](CellId cell) { return decoded(made->vlods[index_of(cell)], nodes); });
   }
 

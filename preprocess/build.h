@@ -11,6 +11,7 @@
 #include "geometry/result.h"
 #include "layout/file_io.h"
 #include "preprocess/import.h"
+#include "preprocess/node_order.h"
 #include "preprocess/visibility/visibility.h"
 
 namespace promenade {
@@ -28,6 +29,7 @@ struct BuildOptions {
   uint32_t max_texture_px = 2048;  ///< longest side of a stored texture; 64 to 16384
   int jpeg_quality = 85;
   CellOptions visibility;
+  NodeOrderOptions order;  ///< of meshes on disk, for a model with cells
 };
 
 /// What `build --json` prints, besides build_wall_s and peak_rss_bytes.

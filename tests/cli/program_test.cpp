@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 namespace promenade {
@@ -155,6 +157,45 @@ TEST_F(SmallCity, a_corrupt_model_is_named_and_not_drawn) {
   fs::copy(folder() / "city.prom", folder() / "corrupt.prom", fs::copy_options::recursive);
   fs::resize_file(folder() / "corrupt.prom" / "tables.bin", 100);
   expect_one_clear_line(run_program("info corrupt.prom", folder()), "tables.bin");
+}
+
+TEST_F(SmallCity, ways_to_store_what_cells_see_are_compared) {
+  const ProgramRun run = run_program("study codecs city.prom --export sets --json codecs.json", folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "codecs.json");
+  double of_blocks = 0, of_frames = 0;
+  for (const json& codec : figures["codecs"]) {
+    for (const char* name : {"bytes_per_delta_mean", "bytes_total", "encode_ids_per_s", "decode_ids_per_s"})
+      EXPECT_TRUE(codec.contains(name)) << name;
+    EXPECT_EQ(codec["default"].get<bool>(), codec["name"] == "blocks");
+    if (codec["name"] == "blocks") of_blocks = codec["bytes_total"];
+    if (codec["name"] == "zstd-frames") of_frames = codec["bytes_total"];
+  }
+  EXPECT_GT(of_blocks, 0);
+  EXPECT_GT(of_frames, 0);
+  for (const char* file : {"sets/vlods.txt", "sets/deltas.txt", "sets/nodes.txt"})
+    EXPECT_TRUE(fs::exists(folder() / file)) << file;
+}
+
+TEST_F(SmallCity, orders_of_nodes_are_compared_with_one_of_ones_own) {
+  const size_t nodes = json_in(folder() / "build.json")["nodes"];
+  std::ofstream own(folder() / "backwards.txt");
+  for (size_t i = nodes; i-- > 0;) own << i << '\n';
+  own.close();
+  const ProgramRun run = run_program(
+      "study orders city.prom --path city_walk.json --order file:backwards.txt --json orders.json", folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "orders.json");
+  std::map<std::string, double> runs;
+  for (const json& order : figures["orders"]) {
+    for (const char* name : {"reads_per_step_mean", "bytes_per_step_mean", "useful_share", "wall_s", "profiles"})
+      EXPECT_TRUE(order.contains(name)) << name;
+    runs[order["name"]] = order["runs_per_delta_mean"];
+  }
+  EXPECT_EQ(runs.at("file"), runs.at("input")) << "runs are the same from either end";
+  EXPECT_LE(runs.at("tour"), runs.at("input"));
+  EXPECT_EQ(run_program("study orders city.prom --order backwards.txt", folder()).exit_code, 2);
+  expect_one_clear_line(run_program("study orders city.prom --order file:city_walk.json", folder()), "line 1");
 }
 
 TEST(Usage, errors_exit_with_2_and_help_with_0) {

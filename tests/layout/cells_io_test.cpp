@@ -186,5 +186,32 @@ TEST(ModelWithCells, opens_with_them_and_only_with_its_own) {
   EXPECT_THAT(without.error().message, HasSubstr("cells.bin"));
 }
 
+TEST(ModelWithCells, has_its_meshes_in_the_order_that_was_asked_for) {
+  const TemporaryFolder folder;
+  const auto model = folder.path() / "squares.prom", plain = folder.path() / "plain.prom";
+  ASSERT_TRUE(write_squares(plain));
+  Result<ModelWriter> writer = ModelWriter::create(model);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(append_squares(*writer));
+  ASSERT_TRUE(writer->stage(root_and_two_leaves(), manifest_of_squares()));
+  EXPECT_FALSE(writer->reorder(std::vector<uint32_t>{2, 0})) << "a mesh is missing";
+  ASSERT_TRUE(writer->reorder(std::vector<uint32_t>{2, 0, 1}));
+  const auto vlod_of = [](CellId) -> Result<std::vector<NodeId>> { return nodes({1, 2}); };
+  ASSERT_TRUE(writer->add_cells(three_cells(), vlod_of));
+  ASSERT_TRUE(writer->publish());
+  const Result<ModelReader> reader = ModelReader::open(model), before = ModelReader::open(plain);
+  ASSERT_TRUE(reader) << reader.error().message;
+  ASSERT_TRUE(before);
+  JobMonitor monitor;
+  EXPECT_TRUE(verify_checksums(*reader, monitor));
+  const ModelTables& tables = reader->model().tables;
+  const auto offset = [&](uint32_t node) { return tables.segments[tables.nodes[node].segment].offset; };
+  EXPECT_EQ(offset(2), 0U);
+  EXPECT_LT(offset(0), offset(1));
+  for (uint32_t node = 0; node < 3; ++node)
+    EXPECT_EQ(*reader->read_segment(tables.nodes[node].segment),
+              *before->read_segment(before->model().tables.nodes[node].segment));
+}
+
 }  // namespace
 }  // namespace promenade

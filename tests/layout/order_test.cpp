@@ -1,0 +1,169 @@
+#include "layout/order.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "layout/order_rivals.h"
+
+namespace promenade {
+namespace {
+
+using testing::ElementsAre;
+using Rows = std::vector<std::vector<uint32_t>>;
+
+/// Rows that are runs of a hidden order of the columns.
+Incidence hidden_runs(uint32_t columns, uint32_t rows, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<uint32_t> hidden(columns);
+  std::iota(hidden.begin(), hidden.end(), 0U);
+  for (size_t i = columns; i > 1; --i) std::swap(hidden[i - 1], hidden[random() % i]);
+  Rows sets(rows);
+  for (std::vector<uint32_t>& row : sets) {
+    const auto begin = static_cast<uint32_t>(random() % columns);
+    const uint32_t end = std::min(columns, begin + 2 + static_cast<uint32_t>(random() % 20));
+    row.assign(hidden.begin() + begin, hidden.begin() + end);
+    std::sort(row.begin(), row.end());
+  }
+  return incidence_of(sets, columns);
+}
+
+/// Runs by looking at every place of every row.
+uint64_t slow_runs(const Rows& rows, const ColumnOrder& order) {
+  uint64_t runs = 0;
+  for (const std::vector<uint32_t>& row : rows)
+    for (size_t i = 0; i < order.size(); ++i) {
+      const auto has = [&](size_t k) { return std::binary_search(row.begin(), row.end(), order[k]); };
+      runs += has(i) && (i == 0 || !has(i - 1)) ? 1U : 0U;
+    }
+  return runs;
+}
+
+TEST(Incidence, counts_runs_as_rows_have_them) {
+  const Rows rows = {{0, 1, 2}, {0, 2, 4}, {}, {3}};
+  const Incidence matrix = incidence_of(rows, 5);
+  EXPECT_EQ(matrix.columns(), 5U);
+  EXPECT_THAT(matrix.column(2), ElementsAre(0, 1));
+  ColumnOrder order = {0, 1, 2, 3, 4};
+  do EXPECT_EQ(count_runs(matrix, order), slow_runs(rows, order));
+  while (std::next_permutation(order.begin(), order.end()));
+  EXPECT_EQ(count_runs(Incidence(), {}), 0U);
+}
+
+TEST(Incidence, distance_is_the_number_of_rows_that_differ) {
+  EXPECT_EQ(hamming_distance(std::vector<uint32_t>{}, std::vector<uint32_t>{}), 0U);
+  EXPECT_EQ(hamming_distance(std::vector<uint32_t>{1, 5}, std::vector<uint32_t>{}), 2U);
+  EXPECT_EQ(hamming_distance(std::vector<uint32_t>{1, 5, 9}, std::vector<uint32_t>{2, 5}), 3U);
+}
+
+TEST(Incidence, orders_of_ones_own_are_read) {
+  EXPECT_EQ(*parse_order("2\n0\n1\n", 3), (ColumnOrder{2, 0, 1}));
+  EXPECT_EQ(*parse_order("2\n0\n1", 3), (ColumnOrder{2, 0, 1}));
+  EXPECT_FALSE(parse_order("", 3).ok());
+  EXPECT_FALSE(parse_order("0\n0\n1\n", 3).ok());
+  EXPECT_FALSE(parse_order("0\n1\n2\n2\n", 3).ok());
+  EXPECT_FALSE(parse_order("0\n1\n3\n", 3).ok());
+  EXPECT_FALSE(parse_order("0\n-1\n2\n", 3).ok());
+  EXPECT_FALSE(parse_order("0\n1 \n2\n", 3).ok());
+  EXPECT_FALSE(parse_order("0\n99999999999\n2\n", 3).ok());
+}
+
+TEST(Orders, are_permutations) {
+  const Incidence matrix = hidden_runs(300, 400, 1);
+  std::vector<glm::vec3> points(300);
+  for (size_t i = 0; i < points.size(); ++i) points[i] = {float(i % 7), float(i % 11), float(i % 3)};
+  for (const std::string_view name : order_names()) {
+    const MadeOrder made = make_order(name, {&matrix, points});
+    EXPECT_TRUE(is_permutation_of(made.order, 300)) << name;
+    EXPECT_EQ(made.runs, count_runs(matrix, made.order)) << name;
+  }
+}
+
+TEST(Orders, of_few_columns_or_rows_are_permutations) {
+  for (uint32_t columns = 0; columns < 12; ++columns)
+    for (const uint32_t rows : {0U, 1U, 5U}) {
+      const Incidence matrix = columns == 0 ? incidence_of(Rows(rows), 0) : hidden_runs(columns, rows, columns);
+      const std::vector<glm::vec3> points(columns);
+      for (const std::string_view name : order_names())
+        EXPECT_TRUE(is_permutation_of(make_order(name, {&matrix, points}).order, columns)) << name << ' ' << columns;
+    }
+}
+
+TEST(Tour, finds_a_hidden_order) {
+  for (const uint32_t seed : {1U, 2U, 3U}) {
+    const Incidence matrix = hidden_runs(500, 2000, seed);
+    const uint64_t input = make_order("input", {&matrix, {}}).runs;
+    const MadeOrder tour = make_order("tour", {&matrix, {}});
+    EXPECT_LT(tour.runs, 2050U) << "the best has a run a row: 2000";
+    EXPECT_GT(input, 6 * tour.runs);
+    const uint64_t bound = lower_bound_of_runs(matrix);
+    EXPECT_LE(bound, tour.runs);
+    EXPECT_GT(bound, 1900U);
+  }
+}
+
+TEST(Tour, is_the_same_on_any_number_of_threads) {
+  const Incidence matrix = hidden_runs(3000, 4000, 4);
+  const auto with_threads = [&](size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return tour_order(matrix, TourOptions());
+  };
+  EXPECT_EQ(with_threads(1), with_threads(4));
+}
+
+TEST(Tour, never_gets_longer_while_it_is_improved) {
+  TourFigures figures;
+  const Incidence matrix = hidden_runs(2000, 1500, 5);
+  tour_order(matrix, TourOptions(), &figures);
+  EXPECT_LE(figures.runs_after_pass_1, figures.runs_of_seed);
+  EXPECT_LE(figures.runs, figures.runs_after_pass_1);
+}
+
+TEST(Tour, keeps_equal_columns_together) {
+  const Incidence matrix = incidence_of(Rows{{0, 3, 5}, {0, 3, 5}, {1, 2, 4}}, 6);
+  EXPECT_EQ(make_order("tour", {&matrix, {}}).runs, 3U);
+}
+
+TEST(LowerBound, is_below_the_best_of_all_orders) {
+  for (uint32_t seed = 1; seed < 12; ++seed) {
+    const Incidence matrix = hidden_runs(7, 9, seed);
+    ColumnOrder order = {0, 1, 2, 3, 4, 5, 6};
+    uint64_t best = ~uint64_t(0);
+    do best = std::min(best, count_runs(matrix, order));
+    while (std::next_permutation(order.begin(), order.end()));
+    EXPECT_LE(lower_bound_of_runs(matrix), best);
+    EXPECT_GE(make_order("tour", {&matrix, {}}).runs, best);
+  }
+}
+
+TEST(Hilbert, goes_from_neighbour_to_neighbour) {
+  std::vector<glm::vec3> points;
+  for (int x = 0; x < 8; ++x)
+    for (int y = 0; y < 8; ++y)
+      for (int z = 0; z < 8; ++z) points.emplace_back(x, y, z);
+  const ColumnOrder order = hilbert_order(points);
+  for (size_t i = 1; i < order.size(); ++i) {
+    const glm::vec3 step = points[order[i]] - points[order[i - 1]];
+    EXPECT_EQ(step.x * step.x + step.y * step.y + step.z * step.z, 1.0F) << "place " << i;
+  }
+}
+
+TEST(Morton, goes_through_an_octant_before_the_next) {
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 64; ++i) points.emplace_back(i / 16, i / 4 % 4, i % 4);
+  const ColumnOrder order = morton_order(points);
+  for (size_t i = 0; i < 8; ++i)
+    EXPECT_TRUE(points[order[i]].x < 2 && points[order[i]].y < 2 && points[order[i]].z < 2);
+}
+
+TEST(BestOrder, is_the_first_with_fewest_runs) {
+  const std::vector<MadeOrder> orders = {{"input", {}, 9, 0}, {"tour", {}, 4, 0}, {"other", {}, 4, 0}};
+  EXPECT_EQ(best_of(orders).name, "tour");
+}
+
+}  // namespace
+}  // namespace promenade
