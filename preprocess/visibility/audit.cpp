@@ -159,7 +159,8 @@ class CellLooks {
     return Done{};
   }
 
-  /// Backs in most directions: with backs drawn more than half of the pixels are nearer than without.
+  /// Backs in most directions: with backs drawn more than half of the pixels are nearer than without. Not downwards:
+  /// the roof that a tower stands on goes on inside the tower, its front up.
   Status is_solid(const glm::dvec3& eye, bool& solid) {
     std::vector<RasterItem> around;
     for (const RasterItem& item : held_.items)
@@ -169,14 +170,15 @@ class CellLooks {
     VisibilityOptions both = fronts;
     both.cull_back = false;
     uint32_t backs = 0;
-    for (int face = 0; face < 6; ++face) {
+    constexpr int kFacesButDown = 5;
+    for (int face = 0; face < kFacesButDown; ++face) {
       const RasterView view = cube_face_view(eye, face, kProbePx, kNearM);
       PROMENADE_TRY(buffer_.draw(view, around, fronts));
       PROMENADE_TRY(other_.draw(view, around, both));
       for (uint32_t y = 0; y < kProbePx; ++y)
         for (uint32_t x = 0; x < kProbePx; ++x) backs += other_.depth_m(x, y) < buffer_.depth_m(x, y) ? 1U : 0U;
     }
-    solid = backs > 6 * kProbePx * kProbePx / 2;
+    solid = backs > kFacesButDown * kProbePx * kProbePx / 2;
     return Done{};
   }
 
