@@ -15,8 +15,9 @@
 namespace promenade {
 namespace {
 
-/// What a set holds of a subtree.
-enum State : uint32_t { kNothing, kRoot, kInside };  // nothing; its root alone; some of its root's descendants
+/// What a set holds of a subtree: nothing; its root alone; some of its root's descendants.
+using State = uint32_t;
+constexpr State kNothing = 0, kRoot = 1, kInside = 2;
 
 constexpr uint32_t kNoSibling = 3;  // the state of the sibling before the first
 constexpr size_t kSizeClasses = 8;

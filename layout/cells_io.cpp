@@ -25,6 +25,7 @@ class VlodWriter {
     const bool ascending = std::adjacent_find(vlod.begin(), vlod.end(), std::greater_equal<>()) == vlod.end();
     if (!ascending || (!vlod.empty() && index_of(vlod.back()) >= rank_of_node_.size()))
       return Error{fmt::format("the vLOD of cell {} is no ascending set of nodes", index_of(cell))};
+    ranks.reserve(vlod.size());
     for (const NodeId id : vlod) ranks.push_back(rank_of_node_[index_of(id)]);
     std::sort(ranks.begin(), ranks.end());
     if (!is_antichain(forest_.by_rank, ranks))

@@ -10,7 +10,9 @@
 namespace promenade {
 namespace {
 
-constexpr double kNearM = 0.02;
+constexpr double kNearM = 0.005;      // what is nearer would be cut off, and seen through
+constexpr double kElbowRoomM = 0.01;  // no eye is nearer to a surface: nearer than the corners of the near plane
+constexpr double kHairM = 0.002;      // from the cell's faces
 constexpr uint32_t kTriesAnEye = 12;
 constexpr uint32_t kProbePx = 16;   // side of the small pictures that tell solid from free
 constexpr float kProbeReachM = 60;  // how far they look
@@ -136,11 +138,15 @@ class CellLooks {
  private:
   glm::dvec3 place(uint32_t number) {
     glm::dvec3 at = numbers_.in_box();
-    if (number % 2 == 0) {  // onto a face
-      const auto face = static_cast<int>(numbers_.unit() * 6);
-      at[face / 2] = face % 2;
-    }
-    return glm::dvec3(cell_.min) + at * glm::dvec3(cell_.size());
+    const glm::dvec3 low(cell_.min), size(cell_.size());
+    if (number % 2 != 0) return low + at * size;
+    // Onto a face, but for a hair: a surface in the face's plane would be seen by nobody, and seen past.
+    const auto face = static_cast<int>(numbers_.unit() * 6);
+    const int axis = face / 2;
+    const double hair_m = std::min(kHairM, size[axis] / 2);
+    glm::dvec3 eye = low + at * size;
+    eye[axis] = low[axis] + (face % 2 == 0 ? hair_m : size[axis] - hair_m);
+    return eye;
   }
 
   Status find_eye(uint32_t number, std::optional<glm::dvec3>& found) {
@@ -159,6 +165,7 @@ class CellLooks {
     return Done{};
   }
 
+  /// Likewise upwards alone: below the ground, or a roof. Or so near to a surface that no eye is there.
   /// Backs in most directions: with backs drawn more than half of the pixels are nearer than without. Not downwards:
   /// the roof that a tower stands on goes on inside the tower, its front up.
   Status is_solid(const glm::dvec3& eye, bool& solid) {
@@ -169,16 +176,24 @@ class CellLooks {
     fronts.threads = 1;
     VisibilityOptions both = fronts;
     both.cull_back = false;
-    uint32_t backs = 0;
-    constexpr int kFacesButDown = 5;
-    for (int face = 0; face < kFacesButDown; ++face) {
-      const RasterView view = cube_face_view(eye, face, kProbePx, kNearM);
+    constexpr int kUp = 4, kFacesButDown = 5;
+    constexpr uint32_t kFacePixels = kProbePx * kProbePx;
+    uint32_t backs = 0, backs_above = 0;
+    constexpr double kTouchM = 0.0005;
+    float nearest_m = std::numeric_limits<float>::infinity();
+    for (int face = 0; face < 6; ++face) {
+      const RasterView view = cube_face_view(eye, face, kProbePx, kTouchM);
       PROMENADE_TRY(buffer_.draw(view, around, fronts));
       PROMENADE_TRY(other_.draw(view, around, both));
       for (uint32_t y = 0; y < kProbePx; ++y)
-        for (uint32_t x = 0; x < kProbePx; ++x) backs += other_.depth_m(x, y) < buffer_.depth_m(x, y) ? 1U : 0U;
+        for (uint32_t x = 0; x < kProbePx; ++x) {
+          nearest_m = std::min(nearest_m, other_.depth_m(x, y));
+          const bool is_back = other_.depth_m(x, y) < buffer_.depth_m(x, y);
+          backs += face < kFacesButDown && is_back ? 1U : 0U;
+          backs_above += face == kUp && is_back ? 1U : 0U;
+        }
     }
-    solid = backs > kFacesButDown * kProbePx * kProbePx / 2;
+    solid = double(nearest_m) < kElbowRoomM || backs_above > kFacePixels / 2 || backs > kFacesButDown * kFacePixels / 2;
     return Done{};
   }
 
