@@ -59,7 +59,7 @@ class LatticeCutter {
       add_edge_points(v[i], v[(i + 1) % 3], outline);
     }
     if (outline.size() == 3) return;
-    polygons_.assign(1, std::move(outline));
+    polygons_.assign(1, outline);
     inner_points_.clear();
     const float step = step_of_edge(longest);
     for (int axis = 0; axis < 3; ++axis) {

@@ -125,6 +125,7 @@ class Division {
   /// their parts, down in a street, do not, and division would end before it could help.)
   Status evaluate(const std::vector<uint32_t>& leaves) {
     std::vector<Box> boxes;
+    boxes.reserve(leaves.size());
     for (const uint32_t leaf : leaves) boxes.push_back(plan_.cell_of(leaf));
     std::vector<uint32_t> probed;
     for (const uint32_t leaf : leaves)

@@ -289,7 +289,7 @@ TEST(EncodeMesh, writes_the_header_that_the_format_shows) {
   bool inside = false;
   for (std::string line; std::getline(in, line);) {
     if (line == "```hex") inside = true;
-    if (line == "```") inside = false;
+    if (inside && line == "```") break;  // the file's first example
     const size_t colon = line.find(": ");
     if (inside && colon != std::string::npos) shown += line.substr(colon + 2, line.find("  #") - colon - 2) + " ";
   }

@@ -12,6 +12,7 @@ using testing::ElementsAre, testing::HasSubstr, testing::IsEmpty;
 
 std::vector<std::byte> bytes(const std::vector<int>& values) {
   std::vector<std::byte> result;
+  result.reserve(values.size());
   for (const int value : values) result.push_back(static_cast<std::byte>(value));
   return result;
 }

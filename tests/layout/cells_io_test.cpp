@@ -18,6 +18,7 @@ constexpr CellsOwner kOwner{0x1122334455667788U, 100};
 
 std::vector<NodeId> nodes(const std::vector<uint32_t>& ids) {
   std::vector<NodeId> result;
+  result.reserve(ids.size());
   for (const uint32_t id : ids) result.push_back(NodeId{id});
   return result;
 }

@@ -154,6 +154,7 @@ TEST(Hilbert, goes_from_neighbour_to_neighbour) {
 
 TEST(Morton, goes_through_an_octant_before_the_next) {
   std::vector<glm::vec3> points;
+  points.reserve(64);
   for (int i = 0; i < 64; ++i) points.emplace_back(i / 16, i / 4 % 4, i % 4);
   const ColumnOrder order = morton_order(points);
   for (size_t i = 0; i < 8; ++i)
