@@ -43,9 +43,10 @@ struct Situation {
   Box cell;
   std::vector<std::string> hidden, kept;  ///< by the default chain
 };
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest looks for this name
 void PrintTo(const Situation& s, std::ostream* out) { *out << s.name; }
 
-const Box kCell{{-2, -2, 0.5F}, {2, 2, 2.5F}};  // in the middle, on the ground
+const Box middle_cell{{-2, -2, 0.5F}, {2, 2, 2.5F}};  // in the middle, on the ground
 
 Mesh thing_at(float x, float y, float z = 0) { return block({x - 0.5F, y - 0.5F, z}, {x + 0.5F, y + 0.5F, z + 1}); }
 
@@ -68,21 +69,21 @@ Mesh shell(const glm::vec3& low, const glm::vec3& high) {
 std::vector<Situation> situations() {
   const auto ground = std::pair<std::string, Mesh>("ground", flat_ground());
   std::vector<Situation> all;
-  all.push_back({"open_field", {ground, {"thing", thing_at(20, 0)}}, kCell, {}, {"ground", "thing"}});
+  all.push_back({"open_field", {ground, {"thing", thing_at(20, 0)}}, middle_cell, {}, {"ground", "thing"}});
   all.push_back({"thing_behind_house",
                  {ground, {"house", wall(10, -10, 20, 10)}, {"thing", thing_at(30, 0)}},
-                 kCell,
+                 middle_cell,
                  {"thing"},
                  {"ground", "house"}});
   all.push_back(
       {"tower_behind_wall",
        {ground, {"wall", wall(10, -15, 14, 15, 6)}, {"tower", wall(28, -3, 34, 3, 40)}, {"hut", wall(28, 6, 30, 8, 3)}},
-       kCell,
+       middle_cell,
        {"hut"},
        {"tower"}});
   all.push_back({"thing_beside_house",
                  {ground, {"house", wall(10, -10, 20, 10)}, {"thing", thing_at(30, 26)}},
-                 kCell,
+                 middle_cell,
                  {},
                  {"thing"}});
   all.push_back({"street_with_side_alley",
@@ -91,64 +92,64 @@ std::vector<Situation> situations() {
                   {"right", wall(8, 1.5F, 20, 30)},
                   {"in_sight", thing_at(40, 0)},
                   {"round_the_corner", thing_at(40, -30)}},
-                 kCell,
+                 middle_cell,
                  {"round_the_corner"},
                  {"in_sight"}});
   all.push_back(
       {"window_slit",
        {ground, {"left", wall(8, -30, 20, -0.4F)}, {"right", wall(8, 0.4F, 20, 30)}, {"in_sight", thing_at(40, 0)}},
-       kCell,
+       middle_cell,
        {},
        {"in_sight"}});
   all.push_back({"two_houses_wall_to_wall_leave_a_slit_in_doubt",
                  {ground, {"left", wall(8, -30, 20, 0)}, {"right", wall(8, 0, 20, 30)}, {"thing", thing_at(40, 0)}},
-                 kCell,
+                 middle_cell,
                  {},
                  {"thing"}});
   all.push_back({"two_houses_together_hide_what_neither_does",
                  {ground, {"near", wall(8, -14, 12, 1)}, {"far", wall(16, -1, 22, 20)}, {"thing", thing_at(45, 0)}},
-                 kCell,
+                 middle_cell,
                  {"thing"},
                  {}});
   all.push_back({"house_on_legs",
                  {ground, {"house", wall(10, -10, 20, 10, 10, 2)}, {"thing", thing_at(30, 0)}},
-                 kCell,
+                 middle_cell,
                  {},
                  {"thing"}});
   all.push_back({"gap_of_ten_centimetres_under_a_wall",
                  {ground, {"house", wall(10, -10, 20, 10, 10, 0.1F)}, {"thing", thing_at(30, 0)}},
-                 kCell,
+                 middle_cell,
                  {},
                  {"thing"}});
   all.push_back({"house_stands_on_the_ground_exactly",
                  {ground, {"house", wall(10, -10, 20, 10, 10, 0)}, {"thing", thing_at(30, 0)}},
-                 kCell,
+                 middle_cell,
                  {"thing"},
                  {}});
   all.push_back({"shell_without_a_bottom",
                  {ground, {"house", shell({10, -10, -0.3F}, {20, 10, 10})}, {"thing", thing_at(30, 0)}},
-                 kCell,
+                 middle_cell,
                  {"thing"},
                  {"house"}});
   all.push_back({"shell_that_hovers",
                  {ground, {"house", shell({10, -10, 0.05F}, {20, 10, 10})}, {"thing", thing_at(30, 0)}},
-                 kCell,
+                 middle_cell,
                  {},
                  {"thing"}});
   all.push_back(
       {"one_sided_sheet",
        {ground, {"sheet", sheet({10, 10, 0}, {10, -10, 0}, {10, -10, 10}, {10, 10, 10})}, {"thing", thing_at(30, 0)}},
-       kCell,
+       middle_cell,
        {},
        {"thing"}});
   all.push_back({"glass_house",
                  {ground, {"house", block({10, -10, -0.5F}, {20, 10, 10}, kGlassPane)}, {"thing", thing_at(30, 0)}},
-                 kCell,
+                 middle_cell,
                  {},
                  {"thing"}});
   all.push_back({"hedge",
                  {ground, {"hedge", block({10, -10, -0.5F}, {20, 10, 10}, kLeaves)}, {"thing", thing_at(30, 0)}},
-                 kCell,
+                 middle_cell,
                  {},
                  {"thing"}});
   all.push_back({"glass_front_of_a_solid_house",
@@ -156,18 +157,18 @@ std::vector<Situation> situations() {
                   {"pane", block({9, -12, -0.5F}, {9.2F, 12, 12}, kGlassPane)},
                   {"house", wall(10, -10, 20, 10)},
                   {"thing", thing_at(30, 0)}},
-                 kCell,
+                 middle_cell,
                  {"thing"},
                  {"pane", "house"}});
   all.push_back({"turned_house",
                  {ground, {"house", turned_block({15, 0}, {9, 9}, -0.5F, 10, 0.6F)}, {"thing", thing_at(40, 0)}},
-                 kCell,
+                 middle_cell,
                  {"thing"},
                  {}});
   all.push_back(
       {"canopy_is_no_house",
        {ground, {"roof", sheet({10, -10, 3}, {20, -10, 3}, {20, 10, 3}, {10, 10, 3})}, {"thing", thing_at(30, 0)}},
-       kCell,
+       middle_cell,
        {},
        {"thing"}});
   all.push_back({"house_with_an_open_side",
@@ -175,7 +176,7 @@ std::vector<Situation> situations() {
                   {"house", together(sheet({10, -10, 10}, {20, -10, 10}, {20, 10, 10}, {10, 10, 10}),
                                      sheet({20, -10, 0}, {20, 10, 0}, {20, 10, 10}, {20, -10, 10}))},
                   {"thing", thing_at(30, 0)}},
-                 kCell,
+                 middle_cell,
                  {},
                  {"thing"}});
   all.push_back({"over_the_roof_from_the_air",
@@ -196,17 +197,17 @@ std::vector<Situation> situations() {
                   {"west", wall(-20, -12, -16, 12)},
                   {"thing", thing_at(40, 5)},
                   {"inside", thing_at(5, 5)}},
-                 kCell,
+                 middle_cell,
                  {"thing"},
                  {"inside", "north", "south", "east", "west"}});
   all.push_back({"thing_on_the_roof_near_the_edge",
                  {ground, {"house", wall(10, -10, 30, 10, 5)}, {"thing", thing_at(11, 0, 5)}},
-                 kCell,
+                 middle_cell,
                  {},
                  {"thing"}});
   all.push_back({"thing_on_the_roof_far_back",
                  {ground, {"house", wall(8, -20, 50, 20, 12)}, {"thing", thing_at(45, 0, 12)}},
-                 kCell,
+                 middle_cell,
                  {"thing"},
                  {}});
   all.push_back(
@@ -216,15 +217,15 @@ std::vector<Situation> situations() {
                                      sheet({5, 60, 0}, {5, -60, 0}, {5, -60, 0.15F}, {5, 60, 0.15F})))},
         {"house", wall(10, -10, 20, 10, 10, 0.1F)},
         {"thing", thing_at(30, 0, 0.15F)}},
-       kCell,
+       middle_cell,
        {"thing"},
        {}});
   all.push_back({"no_ground_at_all",
                  {{"house", wall(10, -10, 20, 10, 10, 0)}, {"thing", thing_at(30, 0)}, {"deep", thing_at(30, 0, -9)}},
-                 kCell,
+                 middle_cell,
                  {},
                  {"deep"}});
-  all.push_back({"cage_of_bars_finer_than_a_column", {ground, {"thing", thing_at(30, 0)}}, kCell, {}, {"thing"}});
+  all.push_back({"cage_of_bars_finer_than_a_column", {ground, {"thing", thing_at(30, 0)}}, middle_cell, {}, {"thing"}});
   Mesh bars;
   for (float y = -10; y <= 10; y += 0.2F) append(bars, block({10, y, 0}, {10.05F, y + 0.05F, 4}));
   append(bars, block({10, -10, 4}, {14, 10, 4.2F}));
@@ -255,21 +256,22 @@ TEST(Audit, catches_occluders_grown_on_purpose) {
   const std::vector<NodeId> front = model.front();
   const auto asked = [&] {
     std::vector<uint8_t> hidden(front.size(), 0);
-    EXPECT_TRUE(make_horizon_hider(model.reader().model(), *parts, *occluders)->hide({kCell, front}, hidden).ok());
+    EXPECT_TRUE(
+        make_horizon_hider(model.reader().model(), *parts, *occluders)->hide({middle_cell, front}, hidden).ok());
     return hidden;
   };
-  EXPECT_EQ(misses(model, kCell, asked()), 0U);
+  EXPECT_EQ(misses(model, middle_cell, asked()), 0U);
   for (glm::vec2& p : occluders->points) p.y *= 4;  // a house four times as wide as it is
   for (OccluderLoop& loop : occluders->loops) loop.low.y *= 4, loop.high.y *= 4;
   for (Occluder& occluder : occluders->occluders) occluder.box.min.y *= 4, occluder.box.max.y *= 4;
-  EXPECT_GT(misses(model, kCell, asked()), 0U);
+  EXPECT_GT(misses(model, middle_cell, asked()), 0U);
 }
 
 TEST(Audit, finds_no_place_to_stand_in_a_solid) {
   const SituationModel model({{"house", wall(-10, -10, 10, 10, 10, -10)}});
   const Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(model.reader(), 1U << 28U);
   ASSERT_TRUE(meshes.ok());
-  const Result<Looks> looks = look_from_cell(**meshes, kCell, model.front(), {}, {});
+  const Result<Looks> looks = look_from_cell(**meshes, middle_cell, model.front(), {}, {});
   ASSERT_TRUE(looks.ok());
   EXPECT_EQ(looks->eyes, 0U);
 }
@@ -278,12 +280,12 @@ TEST(Hiders, backface_hides_what_shows_its_back_only) {
   const SituationModel model({{"back", sheet({10, -5, 0}, {10, 5, 0}, {10, 5, 5}, {10, -5, 5})},
                               {"front", sheet({10, 5, 0}, {10, -5, 0}, {10, -5, 5}, {10, 5, 5})},
                               {"two_sided", sheet({10, -5, 0}, {10, 5, 0}, {10, 5, 5}, {10, -5, 5}, kBothSides)}});
-  EXPECT_THAT(hidden_by(model, {"backface"}, kCell), testing::ElementsAre(1, 0, 0));
+  EXPECT_THAT(hidden_by(model, {"backface"}, middle_cell), testing::ElementsAre(1, 0, 0));
 }
 
 TEST(Hiders, sampled_agrees_with_pictures_and_says_that_it_is_no_proof) {
   const SituationModel model({{"ground", flat_ground()}, {"house", wall(10, -10, 20, 10)}, {"thing", thing_at(30, 0)}});
-  EXPECT_THAT(hidden_by(model, {"sampled"}, kCell), testing::ElementsAre(0, 0, 1));
+  EXPECT_THAT(hidden_by(model, {"sampled"}, middle_cell), testing::ElementsAre(0, 0, 1));
   JobMonitor monitor;
   const std::vector<std::string> names = {"sampled", "horizon"};
   const auto hiders = make_hiders(names, model.reader(), {}, monitor);
@@ -300,7 +302,7 @@ TEST(Hiders, what_is_hidden_already_stays_hidden) {
   ASSERT_TRUE(parts.ok() && occluders.ok());
   const std::vector<NodeId> front = model.front();
   std::vector<uint8_t> hidden = {0, 1};
-  ASSERT_TRUE(make_horizon_hider(model.reader().model(), *parts, *occluders)->hide({kCell, front}, hidden).ok());
+  ASSERT_TRUE(make_horizon_hider(model.reader().model(), *parts, *occluders)->hide({middle_cell, front}, hidden).ok());
   EXPECT_THAT(hidden, testing::ElementsAre(0, 1));
 }
 
