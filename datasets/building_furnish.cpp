@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/random.h"
+#include "geometry/random.h"
 #include "datasets/shapes.h"
 
 namespace promenade {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <span>
 
-#include "datasets/random.h"
+#include "geometry/random.h"
 #include "datasets/shapes.h"
 
 namespace promenade {

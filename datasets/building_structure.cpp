@@ -6,7 +6,7 @@
 #include <array>
 
 #include "datasets/furniture_palette.h"
-#include "datasets/random.h"
+#include "geometry/random.h"
 #include "datasets/shapes.h"
 
 namespace promenade {

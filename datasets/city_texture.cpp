@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "datasets/random.h"
+#include "geometry/random.h"
 
 namespace promenade {
 namespace {

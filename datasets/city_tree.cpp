@@ -5,7 +5,7 @@
 
 #include "datasets/city_prop.h"
 #include "datasets/city_smooth.h"
-#include "datasets/random.h"
+#include "geometry/random.h"
 
 namespace promenade {
 namespace {

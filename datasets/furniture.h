@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/random.h"
+#include "geometry/random.h"
 #include "geometry/mesh.h"
 
 namespace promenade {

@@ -12,8 +12,6 @@
 
 namespace promenade {
 
-constexpr uint32_t kNoTriangle = 0xffffffffU;
-
 /// Where a surface is nearest to the point asked about. Nothing found within the limit: triangle is kNoTriangle and
 /// distance2_m2 the limit given.
 struct ClosestPoint {

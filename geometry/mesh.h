@@ -59,6 +59,8 @@ enum class AlphaMode : uint8_t { opaque, mask, blend };
 enum class Wrap : uint8_t { repeat, mirror, clamp };
 
 constexpr uint32_t kNoTexture = 0xffffffffU;
+/// No triangle: of a mesh, or of a picture's pixel.
+constexpr uint32_t kNoTriangle = 0xffffffffU;
 
 /// How a triangle's surface looks. Lit diffusely: colour = material x vertex colour x texture, in sRGB as stored,
 /// multiplied linearly.

@@ -11,29 +11,9 @@
 #include <vector>
 
 #include "geometry/mesh.h"
+#include "tests/numbers.h"
 
 namespace promenade::test {
-
-/// The same numbers everywhere, from the seed on (splitmix64).
-class Numbers {
- public:
-  explicit Numbers(uint64_t seed) : state_(seed) {}
-  uint64_t next() {
-    uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
-    return z ^ (z >> 31U);
-  }
-  float unit() { return float(next() >> 40U) * 0x1p-24F; }
-  float between(float low, float high) { return low + (high - low) * unit(); }
-  glm::vec3 in_cube(float half) {
-    const float x = between(-half, half), y = between(-half, half), z = between(-half, half);
-    return {x, y, z};
-  }
-
- private:
-  uint64_t state_;
-};
 
 /// n by n squares of two triangles over [0, size]^2, at height(x, y). Vertices shared.
 template <class Height>

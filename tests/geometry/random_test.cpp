@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "datasets/random.h"
+#include "geometry/random.h"
 
 namespace promenade {
 namespace {

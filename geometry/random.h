@@ -6,7 +6,7 @@
 
 namespace promenade {
 
-/// A stream of random numbers. Streams with different tags are independent, so that what one part of a generator draws
+/// A stream of random numbers. Streams with different tags are independent, so that what one part of a program draws
 /// never moves what another one gets. Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators",
 /// 2014 (SplitMix64).
 class Random {
