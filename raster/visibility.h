@@ -21,8 +21,6 @@
 
 namespace promenade {
 
-constexpr uint32_t kNoTriangle = 0xffffffffU;
-
 /// A mesh in a picture.
 struct RasterItem {
   const PreparedMesh* mesh = nullptr;

@@ -4,54 +4,40 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <numbers>
 #include <optional>
+
+#include "preprocess/visibility/eyes.h"
 
 namespace promenade {
 namespace {
 
-constexpr double kNearM = 0.005;      // what is nearer would be cut off, and seen through
-constexpr double kElbowRoomM = 0.01;  // no eye is nearer to a surface: nearer than the corners of the near plane
-constexpr double kHairM = 0.002;      // from the cell's faces
-constexpr uint32_t kTriesAnEye = 12;
-constexpr uint32_t kProbePx = 16;   // side of the small pictures that tell solid from free
-constexpr float kProbeReachM = 60;  // how far they look
-
-/// The same numbers everywhere from the seed on (splitmix64).
-class Numbers {
- public:
-  explicit Numbers(uint64_t seed) : state_(seed) {}
-  double unit() {
-    uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
-    return double((z ^ (z >> 31U)) >> 11U) * 0x1p-53;
-  }
-  glm::dvec3 in_box() {
-    const double x = unit(), y = unit(), z = unit();
-    return {x, y, z};
-  }
-
- private:
-  uint64_t state_;
-};
-
-uint64_t seed_of(uint64_t seed, const Box& cell) {
-  uint64_t hash = seed;
-  for (const float v : {cell.min.x, cell.min.y, cell.min.z, cell.max.x, cell.max.y, cell.max.z})
-    hash = (hash ^ static_cast<uint64_t>(static_cast<int64_t>(v * 1024.0F))) * 0x9e3779b97f4a7c15ULL;
-  return hash;
+/// A narrow picture: everything of the sphere about `at` is in it.
+RasterView aimed_view(const glm::dvec3& eye, const glm::dvec3& at, double radius_m, uint32_t side_px) {
+  constexpr double kWidestTan = 0.6, kNarrowestTan = 1e-4;
+  RasterView view;
+  view.eye = eye;
+  const glm::dvec3 way = at - eye;
+  const double distance_m = std::max(glm::length(way), EyeFinder::kNearM);
+  view.forward = distance_m > EyeFinder::kNearM ? way / distance_m : glm::dvec3(0, 1, 0);
+  const glm::dvec3 any = std::abs(view.forward.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
+  view.right = glm::normalize(glm::cross(view.forward, any));
+  view.up = glm::cross(view.right, view.forward);
+  view.width_px = view.height_px = side_px;
+  view.near_m = EyeFinder::kNearM;
+  view.scale_px = side_px / 2.0 / std::clamp(radius_m / distance_m, kNarrowestTan, kWidestTan);
+  return view;
 }
 
-RasterView random_view(const glm::dvec3& eye, uint32_t px, Numbers& numbers) {
-  Camera camera;
-  camera.pose.eye = eye;
-  camera.pose.yaw_deg = numbers.unit() * 360;
-  camera.pose.pitch_deg = std::asin(numbers.unit() * 2 - 1) * 180 / std::numbers::pi * 0.7;
-  camera.width_px = camera.height_px = px;
-  camera.vertical_fov_deg = 60;
-  camera.near_m = kNearM;
-  return perspective_view(camera, glm::dvec3(0));
+/// The middle of a random triangle. The mesh has some.
+glm::dvec3 random_place_on(const PreparedMesh& mesh, Random& random) {
+  const raster_kernel::Block& block = mesh.blocks[random.below(static_cast<uint32_t>(mesh.blocks.size()))];
+  const size_t triangle = block.first_triangle + random.below(block.triangle_count);
+  glm::dvec3 sum(0);
+  for (const std::vector<uint8_t>& corner : mesh.corners) {
+    const size_t vertex = block.first_vertex + corner[triangle];
+    sum += glm::dvec3(mesh.x[vertex], mesh.y[vertex], mesh.z[vertex]);
+  }
+  return sum / 3.0;
 }
 
 /// What a ray meets first when everything is drawn at full detail.
@@ -108,95 +94,47 @@ class CellLooks {
  public:
   CellLooks(const Box& cell, HeldNodes held, const NodeMeshes& meshes, std::span<const NodeId> front,
             std::span<const uint8_t> hidden, const LookOptions& options)
-      : cell_(cell),
-        held_(std::move(held)),
-
+      : held_(std::move(held)),
         hidden_(hidden),
         full_(meshes, front),
         options_(options),
-        numbers_(seed_of(options.seed, cell)) {
+        random_(numbers_of(options.seed, cell)),
+        finder_(cell, held_.items, random_.fork(1)) {
     looks_.pixels_of.assign(front.size(), 0);
     looks_.truly_seen.assign(front.size(), 0);
-    for (const RasterItem& item : held_.items) touched_ |= item.mesh->box.overlaps(cell);
+    for (size_t i = 0; i < hidden.size(); ++i)
+      if (hidden[i] != 0 && !held_.items[i].mesh->blocks.empty()) targets_.push_back(static_cast<uint32_t>(i));
   }
 
   Result<Looks> run() {
     const uint32_t a_point = options_.around ? 6 : 1;
     const uint32_t eyes = std::max(1U, options_.views / a_point);
+    std::vector<glm::dvec3> found;
+    found.reserve(eyes);
     for (uint32_t i = 0; i < eyes; ++i) {
-      std::optional<glm::dvec3> eye;
-      PROMENADE_TRY(find_eye(i, eye));
-      if (!eye) continue;
+      const Result<std::optional<glm::dvec3>> eye = finder_.next();
+      if (!eye) return eye.error();
+      if (!*eye) continue;
       ++looks_.eyes;
+      found.push_back(**eye);
       for (uint32_t k = 0; k < a_point; ++k)
-        PROMENADE_TRY(look(options_.around ? cube_face_view(*eye, static_cast<int>(k), options_.picture_px, kNearM)
-                                           : random_view(*eye, options_.picture_px, numbers_)));
+        PROMENADE_TRY(look(options_.around
+                               ? cube_face_view(**eye, static_cast<int>(k), options_.picture_px, EyeFinder::kNearM)
+                               : random_view(**eye, options_.picture_px, random_)));
+    }
+    if (found.empty() || targets_.empty()) return std::move(looks_);
+    for (uint32_t i = 0; i < options_.aimed_views; ++i) {
+      const glm::dvec3& eye = found[random_.below(static_cast<uint32_t>(found.size()))];
+      const PreparedMesh& target = *held_.items[targets_[random_.below(static_cast<uint32_t>(targets_.size()))]].mesh;
+      const RasterView view =
+          aimed_view(eye, random_place_on(target, random_), glm::length(target.box.size()) / 2, LookOptions::kAimedPx);
+      PROMENADE_TRY(look(view));
+      looks_.aimed_rays += uint64_t(view.width_px) * view.height_px;
     }
     return std::move(looks_);
   }
 
  private:
-  glm::dvec3 place(uint32_t number) {
-    glm::dvec3 at = numbers_.in_box();
-    const glm::dvec3 low(cell_.min), size(cell_.size());
-    if (number % 2 != 0) return low + at * size;
-    // Onto a face, but for a hair: a surface in the face's plane would be seen by nobody, and seen past.
-    const auto face = static_cast<int>(numbers_.unit() * 6);
-    const int axis = face / 2;
-    const double hair_m = std::min(kHairM, size[axis] / 2);
-    glm::dvec3 eye = low + at * size;
-    eye[axis] = low[axis] + (face % 2 == 0 ? hair_m : size[axis] - hair_m);
-    return eye;
-  }
-
-  Status find_eye(uint32_t number, std::optional<glm::dvec3>& found) {
-    for (uint32_t i = 0; i < kTriesAnEye; ++i) {
-      const glm::dvec3 eye = place(number);
-      bool solid = free_ == Free::no;
-      if (free_ == Free::unknown || touched_) PROMENADE_TRY(is_solid(eye, solid));
-      // Where no surface comes into the cell, all of it is as one point of it.
-      if (!touched_) free_ = solid ? Free::no : Free::yes;
-      if (!solid) {
-        found = eye;
-        return Done{};
-      }
-      if (!touched_) break;
-    }
-    return Done{};
-  }
-
-  /// Likewise upwards alone: below the ground, or a roof. Or so near to a surface that no eye is there.
-  /// Backs in most directions: with backs drawn more than half of the pixels are nearer than without. Not downwards:
-  /// the roof that a tower stands on goes on inside the tower, its front up.
-  Status is_solid(const glm::dvec3& eye, bool& solid) {
-    std::vector<RasterItem> around;
-    for (const RasterItem& item : held_.items)
-      if (item.mesh->box.distance(glm::vec3(eye)) < kProbeReachM) around.push_back(item);
-    VisibilityOptions fronts;
-    fronts.threads = 1;
-    VisibilityOptions both = fronts;
-    both.cull_back = false;
-    constexpr int kUp = 4, kFacesButDown = 5;
-    constexpr uint32_t kFacePixels = kProbePx * kProbePx;
-    uint32_t backs = 0, backs_above = 0;
-    constexpr double kTouchM = 0.0005;
-    float nearest_m = std::numeric_limits<float>::infinity();
-    for (int face = 0; face < 6; ++face) {
-      const RasterView view = cube_face_view(eye, face, kProbePx, kTouchM);
-      PROMENADE_TRY(buffer_.draw(view, around, fronts));
-      PROMENADE_TRY(other_.draw(view, around, both));
-      for (uint32_t y = 0; y < kProbePx; ++y)
-        for (uint32_t x = 0; x < kProbePx; ++x) {
-          nearest_m = std::min(nearest_m, other_.depth_m(x, y));
-          const bool is_back = other_.depth_m(x, y) < buffer_.depth_m(x, y);
-          backs += face < kFacesButDown && is_back ? 1U : 0U;
-          backs_above += face == kUp && is_back ? 1U : 0U;
-        }
-    }
-    solid = double(nearest_m) < kElbowRoomM || backs_above > kFacePixels / 2 || backs > kFacesButDown * kFacePixels / 2;
-    return Done{};
-  }
-
   Status look(const RasterView& view) {
     VisibilityOptions options;
     options.threads = 1;
@@ -228,16 +166,14 @@ class CellLooks {
     return Done{};
   }
 
-  enum class Free : uint8_t { unknown, yes, no };
-  Box cell_;
   HeldNodes held_;
   std::span<const uint8_t> hidden_;
   FullDetail full_;
   LookOptions options_;
-  Numbers numbers_;
-  bool touched_ = false;  ///< some box of a node reaches into the cell
-  Free free_ = Free::unknown;
-  VisibilityBuffer buffer_, other_;
+  Random random_;
+  EyeFinder finder_;
+  std::vector<uint32_t> targets_;  ///< items of hidden nodes
+  VisibilityBuffer buffer_;
   Looks looks_;
 };
 

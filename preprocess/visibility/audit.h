@@ -11,19 +11,22 @@
 
 namespace promenade {
 
-/// Pictures from points of a cell. Half of the eyes are on the cell's boundary, half anywhere in it; none inside
-/// something solid: an eye that looks at the backs of one-sided surfaces in most directions stands where nobody stands,
-/// and another is drawn.
+/// Pictures from points of a cell (EyeFinder's): half of the eyes are on the cell's boundary, half anywhere in it.
 struct LookOptions {
   uint64_t seed = 1;
   uint32_t views = 504;       ///< pictures of a cell, about
   uint32_t picture_px = 256;  ///< side of a picture
   bool around = true;         ///< true: six pictures of 90 degrees from each eye; false: one of 60 degrees, anywhere
+  /// Besides, narrow pictures of kAimedPx x kAimedPx rays, each at a random triangle of a random hidden node and as
+  /// wide as that node: what is small or far away is looked at as closely as what is near.
+  uint32_t aimed_views = 0;
+  static constexpr uint32_t kAimedPx = 64;
 };
 
 /// What the pictures of one cell show.
 struct Looks {
   uint64_t eyes = 0, views = 0, pixels = 0;
+  uint64_t aimed_rays = 0;          ///< of the pixels: those of pictures aimed at hidden nodes
   std::vector<uint64_t> pixels_of;  ///< by item of the front: how many pixels show it
   /// The view with the most pixels of nodes that are hidden (and how many): a picture of it explains a miss.
   RasterView worst;
