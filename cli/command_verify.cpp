@@ -1,180 +1,24 @@
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
-#include <algorithm>
-#include <atomic>
 #include <memory>
-#include <optional>
-#include <random>
 
 #include "cli/command.h"
-#include "cli/node_picture.h"
-#include "layout/model_io.h"
-#include "preprocess/visibility/audit.h"
+#include "cli/verify_cells.h"
+#include "cli/verify_source.h"
 #include "preprocess/visibility/hider_chain.h"
-#include "preprocess/visibility/study_cells.h"
 
 namespace promenade {
 namespace {
 
 struct VerifyArguments {
-  std::filesystem::path model, picture;
-  uint32_t cells = 20;
-  std::string hiders;
-  double pixel_error = 1;
-  LookOptions looks;
+  std::filesystem::path model;
+  VerifyCellsOptions cells;
+  VerifySourceOptions source;
 };
 
-/// A cell with what is drawn from it and what is left out.
-struct CheckedCell {
-  Box cell;
-  std::vector<NodeId> front;
-  std::vector<uint8_t> hidden;
-  Looks looks;
-  CellVerdict verdict;
-};
-
-/// Where the answers come from: the model's own cells, or a chain of hiders asked now.
-class Answers {
- public:
-  Answers(const VerifyArguments& arguments, const ModelReader& reader, const NodeMeshes& meshes)
-      : arguments_(arguments),
-        reader_(reader),
-        meshes_(meshes),
-        bound_{arguments.pixel_error, pixel_scale(1280, 720, 60)} {}
-
-  Status prepare(JobMonitor& monitor) {
-    const CellsReader* stored = reader_.cells();
-    if (!arguments_.hiders.empty()) {
-      const Result<std::vector<std::string>> names = parse_hiders(arguments_.hiders);
-      if (!names) return names.error();
-      Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*names, reader_, HiderBuildOptions(), monitor);
-      if (!hiders) return hiders.error();
-      hiders_ = std::move(*hiders);
-    }
-    if (stored != nullptr) {
-      bound_ = stored->tables().bound;
-      pick_stored(stored->tables().cells.size());
-      return Done{};
-    }
-    StudyCellOptions options;
-    options.seed = arguments_.looks.seed, options.cells = (arguments_.cells + 1) / 2;
-    for (const StudyPlace place : {StudyPlace::street, StudyPlace::roof}) {
-      options.place = place;
-      const Result<std::vector<Box>> made = study_cells(meshes_, options);
-      if (!made) return made.error();
-      boxes_.insert(boxes_.end(), made->begin(), made->end());
-      options.cells = arguments_.cells / 2, options.side_m = 16;
-    }
-    return Done{};
-  }
-
-  size_t count() const { return boxes_.size(); }
-
-  Result<CheckedCell> check(size_t i) const {
-    const Model& model = reader_.model();
-    CheckedCell cell{boxes_[i], cell_front(model, boxes_[i], bound_), {}, {}, {}};
-    cell.hidden.assign(cell.front.size(), 0);
-    if (arguments_.hiders.empty()) {
-      const Result<Vlod> vlod = reader_.cells()->read_vlod(ids_[i]);
-      if (!vlod) return vlod.error();
-      for (size_t k = 0; k < cell.front.size(); ++k)
-        cell.hidden[k] = std::binary_search(vlod->nodes.begin(), vlod->nodes.end(), cell.front[k]) ? 0 : 1;
-    }
-    for (const std::unique_ptr<Hider>& hider : hiders_)
-      PROMENADE_TRY(hider->hide({cell.cell, cell.front}, cell.hidden));
-    Result<Looks> looks = look_from_cell(meshes_, cell.cell, cell.front, cell.hidden, arguments_.looks);
-    if (!looks) return looks.error();
-    cell.looks = std::move(*looks);
-    cell.verdict = judge(model, cell.front, cell.hidden, cell.looks);
-    return cell;
-  }
-
- private:
-  void pick_stored(size_t available) {
-    std::mt19937_64 random(arguments_.looks.seed);
-    const size_t count = std::min<size_t>(arguments_.cells, available);
-    for (size_t i = 0; i < count; ++i) {
-      ids_.push_back(CellId{static_cast<uint32_t>(random() % available)});
-      boxes_.push_back(reader_.cells()->tables().cells[index_of(ids_.back())].box);
-    }
-  }
-
-  const VerifyArguments& arguments_;
-  const ModelReader& reader_;
-  const NodeMeshes& meshes_;
-  FrontBound bound_;
-  std::vector<std::unique_ptr<Hider>> hiders_;
-  std::vector<CellId> ids_;  ///< of stored cells, else empty
-  std::vector<Box> boxes_;
-};
-
-struct Totals {
-  uint64_t cells = 0, solid_cells = 0, pixels = 0, false_nodes = 0, false_pixels = 0, ratios = 0;
-  uint64_t missed_nodes = 0, missed_pixels = 0;
-  double ratio_sum = 0;
-
-  void add(const CheckedCell& cell) {
-    if (cell.looks.eyes == 0) {
-      ++solid_cells;
-      return;
-    }
-    ++cells;
-    pixels += cell.looks.pixels;
-    false_nodes += cell.verdict.false_hidden_nodes, false_pixels += cell.verdict.false_hidden_pixels;
-    missed_nodes += cell.verdict.missed_nodes, missed_pixels += cell.verdict.missed_pixels;
-    if (cell.verdict.seen_triangles == 0) return;
-    ++ratios;
-    ratio_sum += double(cell.verdict.kept_triangles) / double(cell.verdict.seen_triangles);
-  }
-};
-
-/// What is left out although it is seen, in red; the rest as it is.
-Status draw_worst(const NodeMeshes& meshes, const CheckedCell& cell, const std::filesystem::path& path) {
-  const auto color_of = [&](size_t i) {
-    return cell.hidden[i] != 0 ? glm::u8vec3(255, 0, 0) : glm::u8vec3(190, 195, 200);
-  };
-  return write_node_picture(meshes, cell.front, cell.looks.worst, color_of, Box(), path);
-}
-
-Status check_cells(const VerifyArguments& arguments, const ModelReader& reader, JobMonitor& monitor, Json& figures) {
-  Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(reader, uint64_t(1) << 30);
-  if (!meshes) return meshes.error();
-  Answers answers(arguments, reader, **meshes);
-  PROMENADE_TRY(answers.prepare(monitor));
-  std::vector<std::optional<Result<CheckedCell>>> checked(answers.count());
-  std::atomic<size_t> done = 0;
-  tbb::parallel_for(size_t(0), checked.size(), [&](size_t i) {
-    if (monitor.cancelled()) return;
-    checked[i] = answers.check(i);
-    monitor.progress("look around in cells", ++done, checked.size());
-  });
-  if (monitor.cancelled()) return Error{"interrupted"};
-  Totals totals;
-  const CheckedCell* worst = nullptr;
-  for (const std::optional<Result<CheckedCell>>& cell : checked) {
-    if (!cell->ok()) return cell->error();
-    totals.add(**cell);
-    if (worst == nullptr || (*cell)->looks.worst_pixels > worst->looks.worst_pixels) worst = &**cell;
-  }
-  const double ratio = totals.ratios == 0 ? 0 : totals.ratio_sum / double(totals.ratios);
-  figures["cells_checked"] = totals.cells;
-  figures["cells_solid"] = totals.solid_cells;
-  figures["rays_or_pixels_checked"] = totals.pixels;
-  figures["false_hidden_nodes"] = totals.false_nodes;
-  figures["false_hidden_pixels"] = totals.false_pixels;
-  figures["overestimate_ratio_mean"] = ratio;
-  figures["false_hidden_pixels_at_cracks"] = totals.false_pixels - totals.missed_pixels;
-  fmt::print("{} cells ({} more are solid), {} pixels; overestimate {:.3f}\n", totals.cells, totals.solid_cells,
-             totals.pixels, ratio);
-  fmt::print("  hidden and yet seen: {} nodes, {} pixels; of these {} pixels through cracks between levels of detail\n",
-             totals.false_nodes, totals.false_pixels, totals.false_pixels - totals.missed_pixels);
-  if (!arguments.picture.empty() && worst != nullptr && worst->looks.worst_pixels > 0)
-    PROMENADE_TRY(draw_worst(**meshes, *worst, arguments.picture));
-  if (totals.missed_nodes > 0)
-    return Error{fmt::format("{}: {} hidden nodes can be seen at full detail, too ({} pixels)",
-                             arguments.model.string(), totals.missed_nodes, totals.missed_pixels)};
-  return Done{};
+Result<Policy> parse_policy(const std::string& text) {
+  if (const std::optional<Policy> policy = policy_named(text)) return *policy;
+  return Error{fmt::format("\"{}\" is no policy: {}", text, policy_names())};
 }
 
 Status run_verify(const VerifyArguments& arguments, JobMonitor& monitor, Json& figures) {
@@ -184,37 +28,79 @@ Status run_verify(const VerifyArguments& arguments, JobMonitor& monitor, Json& f
   const size_t segments = reader->model().tables.segments.size();
   figures = {{"checksums_ok", true}, {"segments_checked", segments}};
   fmt::print("{}: sound, {} segments checked\n", arguments.model.string(), segments);
-  if (arguments.cells == 0 || (reader->cells() == nullptr && arguments.hiders.empty())) return Done{};
-  return check_cells(arguments, *reader, monitor, figures);
+  if (!arguments.source.sources.empty()) {
+    VerifySourceOptions source = arguments.source;
+    source.seed = arguments.cells.looks.seed, source.pixel_error = arguments.cells.pixel_error;
+    PROMENADE_TRY(verify_source(source, *reader, monitor, figures));
+  }
+  if (arguments.cells.cells == 0 || (reader->cells() == nullptr && arguments.cells.hiders.empty())) return Done{};
+  VerifyCellsOptions cells = arguments.cells;
+  cells.model = arguments.model;
+  return verify_cells(cells, *reader, monitor, figures);
+}
+
+void add_cell_check(CLI::App& app, VerifyCellsOptions& o) {
+  CLI::Option_group* group = app.add_option_group("cells", "Is anything hidden that can be seen?");
+  o.looks.around = false, o.looks.picture_px = 512, o.looks.views = 50, o.looks.aimed_views = 50;
+  group->add_option("--cells", o.cells, "Random view cells to look around in (0: none)")->capture_default_str();
+  group->add_option("--views", o.looks.views, "Random pictures from each cell, half of them from its boundary")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  group->add_option("--view-size", o.looks.picture_px, "Side of such a picture, pixels")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  group
+      ->add_option("--aimed-views", o.looks.aimed_views,
+                   fmt::format("Besides, narrow pictures a cell of {} rays, aimed at triangles of hidden nodes",
+                               LookOptions::kAimedPx * LookOptions::kAimedPx))
+      ->capture_default_str();
+  group
+      ->add_option("--hiders", o.hiders,
+                   fmt::format("Check what this chain hides instead of what the model stores; of: {}. A model without "
+                               "cells is checked in random places",
+                               hider_names()))
+      ->type_name("LIST");
+  group->add_option("--picture", o.picture, "The view with most misses, hidden nodes in red, if any: a .png")
+      ->type_name("FILE");
+}
+
+void add_source_check(CLI::App& app, VerifySourceOptions& o) {
+  CLI::Option_group* group = app.add_option_group("source", "Are the pictures those of the source?");
+  group->add_option("--source", o.sources, "The files or folders that the model was built from: pictures are compared")
+      ->type_name("SOURCE");
+  group->add_option("--source-views", o.views, "Random views from where somebody may stand")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  add_parsed<PixelSize>(*group, "--size", o.size, parse_size, "Their pictures, pixels")->default_str("1280x720");
+  group->add_option("--fov", o.vertical_fov_deg, "Their vertical field of view, degrees")
+      ->check(CLI::Range(1.0, 170.0))
+      ->capture_default_str();
+  add_parsed<Policy>(*group, "--policy", o.policy, parse_policy,
+                     fmt::format("Which nodes the model's pictures show, one of: {}", policy_names()))
+      ->default_str(std::string(name_of(Policy::static_error)));
+  group
+      ->add_option("--source-picture", o.picture,
+                   "The view with most differing colours: source, model, difference; a .png or .jpg")
+      ->type_name("FILE");
+  add_import_options(*group, o.import);
 }
 
 }  // namespace
 
 Command add_verify(CLI::App& program) {
   auto arguments = std::make_shared<VerifyArguments>();
-  arguments->looks.around = false, arguments->looks.picture_px = 512, arguments->looks.views = 50;
   CLI::App* app = program.add_subcommand(
-      "verify", "Check a model: every byte against its checksum, and that nothing is hidden that can be seen");
+      "verify",
+      "Check a model: every byte against its checksum, that nothing is hidden that can be seen, pictures against the "
+      "source's");
   app->add_option("MODEL", arguments->model, "A directory that build made")->required();
-  app->add_option("--cells", arguments->cells, "Random view cells to look around in (0: none)")->capture_default_str();
-  app->add_option("--views", arguments->looks.views, "Random pictures from each cell, half of them from its boundary")
+  app->add_option("--pixel-error", arguments->cells.pixel_error,
+                  "Bound of the fronts (stored cells: their own), pixels at 1280 x 720, 60 degrees")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app->add_option("--view-size", arguments->looks.picture_px, "Side of such a picture, pixels")
-      ->check(CLI::Range(16, 4096))
-      ->capture_default_str();
-  app->add_option("--hiders", arguments->hiders,
-                  fmt::format("Check what this chain hides instead of what the model stores; of: {}. A model without "
-                              "cells is checked in random places",
-                              hider_names()))
-      ->type_name("LIST");
-  app->add_option("--pixel-error", arguments->pixel_error,
-                  "For a model without cells: bound of the fronts, pixels at 1280 x 720, 60 degrees")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app->add_option("--picture", arguments->picture, "The view with most misses, hidden nodes in red, if any: a .png")
-      ->type_name("FILE");
-  app->add_option("--seed", arguments->looks.seed, "Other cells, other views")->capture_default_str();
+  app->add_option("--seed", arguments->cells.looks.seed, "Other cells, other views")->capture_default_str();
+  add_cell_check(*app, arguments->cells);
+  add_source_check(*app, arguments->source);
   return {
       app, {}, [arguments](JobMonitor& monitor, Json& figures) { return run_verify(*arguments, monitor, figures); }};
 }

@@ -153,6 +153,24 @@ TEST_F(SmallCity, verify_finds_one_changed_bit) {
   expect_one_clear_line(run_program("verify changed.prom", folder()), "geometry.bin");
 }
 
+TEST_F(SmallCity, verify_holds_pictures_against_the_source) {
+  const ProgramRun run = run_program(
+      "verify city.prom --cells 3 --views 4 --view-size 64 --aimed-views 5 --source city.glb --source-views 3 "
+      "--size 320x180 --source-picture differences.png --json verify.json",
+      folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "verify.json");
+  EXPECT_EQ(figures["source_views"], 3);
+  EXPECT_GT(figures["pixel_error_max_px"], 0);
+  EXPECT_LE(figures["pixel_error_p99_px"], figures["pixel_error_max_px"]);
+  EXPECT_LE(figures["pixel_error_max_px"], 1.5) << "the bound is one pixel at 720 lines; a corner stretches it";
+  EXPECT_EQ(figures["false_hidden_nodes"], 0);
+  EXPECT_GT(figures["rays_aimed_at_hidden_nodes"], 0);
+  ASSERT_EQ(run_program("generate city --seed 9 --triangles 4000 -o other.glb", folder()).exit_code, 0);
+  expect_one_clear_line(run_program("verify city.prom --cells 0 --source other.glb --source-views 1", folder()),
+                        "triangles");
+}
+
 TEST_F(SmallCity, a_corrupt_model_is_named_and_not_drawn) {
   fs::copy(folder() / "city.prom", folder() / "corrupt.prom", fs::copy_options::recursive);
   fs::resize_file(folder() / "corrupt.prom" / "tables.bin", 100);

@@ -1,0 +1,171 @@
+#include "cli/verify_cells.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <random>
+
+#include "cli/node_picture.h"
+#include "preprocess/visibility/hider_chain.h"
+#include "preprocess/visibility/study_cells.h"
+
+namespace promenade {
+namespace {
+
+/// A cell with what is drawn from it and what is left out.
+struct CheckedCell {
+  Box cell;
+  std::vector<NodeId> front;
+  std::vector<uint8_t> hidden;
+  Looks looks;
+  CellVerdict verdict;
+};
+
+/// Where the answers come from: the model's own cells, or a chain of hiders asked now.
+class Answers {
+ public:
+  Answers(const VerifyCellsOptions& options, const ModelReader& reader, const NodeMeshes& meshes)
+      : options_(options), reader_(reader), meshes_(meshes), bound_{options.pixel_error, pixel_scale(1280, 720, 60)} {}
+
+  Status prepare(JobMonitor& monitor) {
+    const CellsReader* stored = reader_.cells();
+    if (!options_.hiders.empty()) {
+      const Result<std::vector<std::string>> names = parse_hiders(options_.hiders);
+      if (!names) return names.error();
+      Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*names, reader_, HiderBuildOptions(), monitor);
+      if (!hiders) return hiders.error();
+      hiders_ = std::move(*hiders);
+    }
+    if (stored != nullptr) {
+      bound_ = stored->tables().bound;
+      pick_stored(stored->tables().cells.size());
+      return Done{};
+    }
+    StudyCellOptions study;
+    study.seed = options_.looks.seed, study.cells = (options_.cells + 1) / 2;
+    for (const StudyPlace place : {StudyPlace::street, StudyPlace::roof}) {
+      study.place = place;
+      const Result<std::vector<Box>> made = study_cells(meshes_, study);
+      if (!made) return made.error();
+      boxes_.insert(boxes_.end(), made->begin(), made->end());
+      study.cells = options_.cells / 2, study.side_m = 16;
+    }
+    return Done{};
+  }
+
+  size_t count() const { return boxes_.size(); }
+
+  Result<CheckedCell> check(size_t i) const {
+    const Model& model = reader_.model();
+    CheckedCell cell{boxes_[i], cell_front(model, boxes_[i], bound_), {}, {}, {}};
+    cell.hidden.assign(cell.front.size(), 0);
+    if (options_.hiders.empty()) {
+      const Result<Vlod> vlod = reader_.cells()->read_vlod(ids_[i]);
+      if (!vlod) return vlod.error();
+      for (size_t k = 0; k < cell.front.size(); ++k)
+        cell.hidden[k] = std::binary_search(vlod->nodes.begin(), vlod->nodes.end(), cell.front[k]) ? 0 : 1;
+    }
+    for (const std::unique_ptr<Hider>& hider : hiders_)
+      PROMENADE_TRY(hider->hide({cell.cell, cell.front}, cell.hidden));
+    Result<Looks> looks = look_from_cell(meshes_, cell.cell, cell.front, cell.hidden, options_.looks);
+    if (!looks) return looks.error();
+    cell.looks = std::move(*looks);
+    cell.verdict = judge(model, cell.front, cell.hidden, cell.looks);
+    return cell;
+  }
+
+ private:
+  void pick_stored(size_t available) {
+    std::mt19937_64 random(options_.looks.seed);
+    const size_t count = std::min<size_t>(options_.cells, available);
+    for (size_t i = 0; i < count; ++i) {
+      ids_.push_back(CellId{static_cast<uint32_t>(random() % available)});
+      boxes_.push_back(reader_.cells()->tables().cells[index_of(ids_.back())].box);
+    }
+  }
+
+  const VerifyCellsOptions& options_;
+  const ModelReader& reader_;
+  const NodeMeshes& meshes_;
+  FrontBound bound_;
+  std::vector<std::unique_ptr<Hider>> hiders_;
+  std::vector<CellId> ids_;  ///< of stored cells, else empty
+  std::vector<Box> boxes_;
+};
+
+struct Totals {
+  uint64_t cells = 0, solid_cells = 0, pixels = 0, aimed_rays = 0, false_nodes = 0, false_pixels = 0, ratios = 0;
+  uint64_t missed_nodes = 0, missed_pixels = 0;
+  double ratio_sum = 0;
+
+  void add(const CheckedCell& cell) {
+    if (cell.looks.eyes == 0) {
+      ++solid_cells;
+      return;
+    }
+    ++cells;
+    pixels += cell.looks.pixels, aimed_rays += cell.looks.aimed_rays;
+    false_nodes += cell.verdict.false_hidden_nodes, false_pixels += cell.verdict.false_hidden_pixels;
+    missed_nodes += cell.verdict.missed_nodes, missed_pixels += cell.verdict.missed_pixels;
+    if (cell.verdict.seen_triangles == 0) return;
+    ++ratios;
+    ratio_sum += double(cell.verdict.kept_triangles) / double(cell.verdict.seen_triangles);
+  }
+};
+
+/// What is left out although it is seen, in red; the rest as it is.
+Status draw_worst(const NodeMeshes& meshes, const CheckedCell& cell, const std::filesystem::path& path) {
+  const auto color_of = [&](size_t i) {
+    return cell.hidden[i] != 0 ? glm::u8vec3(255, 0, 0) : glm::u8vec3(190, 195, 200);
+  };
+  return write_node_picture(meshes, cell.front, cell.looks.worst, color_of, Box(), path);
+}
+
+}  // namespace
+
+Status verify_cells(const VerifyCellsOptions& options, const ModelReader& reader, JobMonitor& monitor, Json& figures) {
+  Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(reader, uint64_t(1) << 30);
+  if (!meshes) return meshes.error();
+  Answers answers(options, reader, **meshes);
+  PROMENADE_TRY(answers.prepare(monitor));
+  std::vector<std::optional<Result<CheckedCell>>> checked(answers.count());
+  std::atomic<size_t> done = 0;
+  tbb::parallel_for(size_t(0), checked.size(), [&](size_t i) {
+    if (monitor.cancelled()) return;
+    checked[i] = answers.check(i);
+    monitor.progress("look around in cells", ++done, checked.size());
+  });
+  if (monitor.cancelled()) return Error{"interrupted"};
+  Totals totals;
+  const CheckedCell* worst = nullptr;
+  for (const std::optional<Result<CheckedCell>>& cell : checked) {
+    if (!cell->ok()) return cell->error();
+    totals.add(**cell);
+    if (worst == nullptr || (*cell)->looks.worst_pixels > worst->looks.worst_pixels) worst = &**cell;
+  }
+  const double ratio = totals.ratios == 0 ? 0 : totals.ratio_sum / double(totals.ratios);
+  figures["cells_checked"] = totals.cells;
+  figures["cells_solid"] = totals.solid_cells;
+  figures["rays_or_pixels_checked"] = totals.pixels;
+  figures["rays_aimed_at_hidden_nodes"] = totals.aimed_rays;
+  figures["false_hidden_nodes"] = totals.false_nodes;
+  figures["false_hidden_pixels"] = totals.false_pixels;
+  figures["overestimate_ratio_mean"] = ratio;
+  figures["false_hidden_pixels_at_cracks"] = totals.false_pixels - totals.missed_pixels;
+  fmt::print("{} cells ({} more are solid), {} pixels, {} of them rays aimed at hidden nodes; overestimate {:.3f}\n",
+             totals.cells, totals.solid_cells, totals.pixels, totals.aimed_rays, ratio);
+  fmt::print("  hidden and yet seen: {} nodes, {} pixels; of these {} pixels through cracks between levels of detail\n",
+             totals.false_nodes, totals.false_pixels, totals.false_pixels - totals.missed_pixels);
+  if (!options.picture.empty() && worst != nullptr && worst->looks.worst_pixels > 0)
+    PROMENADE_TRY(draw_worst(**meshes, *worst, options.picture));
+  if (totals.missed_nodes > 0)
+    return Error{fmt::format("{}: {} hidden nodes can be seen at full detail, too ({} pixels)", options.model.string(),
+                             totals.missed_nodes, totals.missed_pixels)};
+  return Done{};
+}
+
+}  // namespace promenade
