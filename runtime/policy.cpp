@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "runtime/selecting.h"
 
@@ -14,6 +15,12 @@ constexpr uint32_t kFirstFrames = 10;
 /// Frames with everything in place are waited for; where memory never holds everything, no longer than this.
 constexpr uint32_t kStreamingFrames = 90;
 
+/// With a cost model: the roots share no less than the target over this.
+constexpr double kLeastShareDivisor = 4;
+/// Policy feedback: its bound follows this power of the time over the target, and stays within this factor of
+/// pixel_error.
+constexpr double kFeedbackPower = 0.2, kFeedbackCoarsest = 1000;
+
 /// What a front comes to: order, sums, toggles, estimates.
 void finish(Selecting& s) {
   const TimeSliceOptions& time = s.options.time;
@@ -24,15 +31,22 @@ void finish(Selecting& s) {
     by_distance.emplace_back(n.box.distance(s.sight.eye), id);
     s.out.triangles += n.triangles;
     s.out.cost += node_cost(n, time);
+    s.out.load += s.load_of(id);
     if (n.level >= s.out.nodes_by_level.size()) s.out.nodes_by_level.resize(n.level + 1);
     ++s.out.nodes_by_level[n.level];
     SelectState::Node& kept = s.state.nodes[index_of(id)];
-    if (kept.refined != 0 && kept.refined + 1 == s.state.frame) ++s.out.toggles_down;
+    if (kept.refined != 0 && kept.refined + 1 == s.state.frame) {
+      ++s.out.toggles_down;
+      if (kept.lacked == s.state.frame) ++s.out.toggles_loading;
+    }
     kept.drawn = s.state.frame;
     for (NodeId up = n.parent; up != kNoNode; up = s.node(up).parent) {
       SelectState::Node& ancestor = s.state.nodes[index_of(up)];
       if (ancestor.refined == s.state.frame) break;
-      if (ancestor.drawn != 0 && ancestor.drawn + 1 == s.state.frame) ++s.out.toggles_up;
+      if (ancestor.drawn != 0 && ancestor.drawn + 1 == s.state.frame) {
+        ++s.out.toggles_up;
+        if (ancestor.lacked != 0 && ancestor.lacked + 1 == s.state.frame) ++s.out.toggles_loading;
+      }
       ancestor.refined = s.state.frame;
     }
   }
@@ -42,14 +56,19 @@ void finish(Selecting& s) {
   const double first = s.state.first_ms_per_cost > 0 ? s.state.first_ms_per_cost : kFirstMsPerCost;
   s.out.estimated_ms = s.state.overhead_ms + ms_per_cost * s.out.cost;
   s.out.estimated_without_feedback_ms = s.state.overhead_ms + first * s.out.cost;
+  if (!s.state.costs) return;
+  s.out.estimated_ms = s.state.costs->estimate_ms(s.out.load);
+  s.out.estimated_without_feedback_ms = s.state.costs->unrefined_ms(s.out.load);
 }
 
 struct PolicyName {
   Policy policy;
   std::string_view name;
 };
-constexpr std::array<PolicyName, 7> kPolicyNames = {{{Policy::none, "none"},
+constexpr std::array<PolicyName, 9> kPolicyNames = {{{Policy::none, "none"},
                                                      {Policy::static_error, "static"},
+                                                     {Policy::feedback, "feedback"},
+                                                     {Policy::cost_benefit, "cost-benefit"},
                                                      {Policy::time_slices, "time-slices"},
                                                      {Policy::lakhia, "lakhia"},
                                                      {Policy::front, "front"},
@@ -76,6 +95,14 @@ std::string policy_names() {
   return names;
 }
 
+std::span<const Policy> all_policies() {
+  static constexpr std::array kAll = {
+      Policy::vlod_time_slices, Policy::cost_benefit, Policy::vlod,     Policy::front, Policy::time_slices,
+      Policy::lakhia,           Policy::static_error, Policy::feedback, Policy::none};
+  static_assert(kAll.size() == kPolicyNames.size());
+  return kAll;
+}
+
 double node_cost(const NodeRecord& node, const TimeSliceOptions& options) {
   const double textured = node.textured_triangles, untextured = double(node.triangles) - textured;
   return textured * options.textured_weight + untextured * (1 - options.textured_weight);
@@ -99,23 +126,41 @@ void select(const Model& model, const SelectView& view, std::span<const uint8_t>
     state.frame = 0;
   }
   if (state.share_ms <= 0) state.share_ms = options.time.target_ms;
+  state.feedback_pixel_error =
+      std::clamp(state.feedback_pixel_error, options.pixel_error, options.pixel_error * kFeedbackCoarsest);
   ++state.frame;
   selection.front.clear();
   selection.updates.clear();
   selection.nodes_by_level.clear();
   selection.triangles = selection.nodes_missing = selection.toggles_up = selection.toggles_down = 0;
-  selection.loaded_rejected = 0;
+  selection.loaded_rejected = selection.toggles_loading = 0;
   selection.cost = 0;
+  selection.optimisation_steps = 0;
+  selection.load = load_of_picture(view.camera.width_px, view.camera.height_px);
   Selecting selecting(model, view, resident, options, state, selection);
-  if (uses_time(options.policy))
+  if (options.policy == Policy::cost_benefit)
+    select_by_benefit(selecting);
+  else if (uses_time(options.policy))
     select_by_time(selecting);
   else
     select_by_error(selecting);
   finish(selecting);
 }
 
+namespace {
+
+/// Policy feedback: a coarser bound after a frame that took longer than the target, a finer one after a shorter one.
+void follow_target(double frame_ms, const TimeSliceOptions& options, SelectState& state) {
+  if (state.feedback_pixel_error <= 0 || frame_ms <= 0) return;
+  state.feedback_pixel_error *= std::pow(std::clamp(frame_ms / options.target_ms, 0.5, 2.0), kFeedbackPower);
+}
+
+}  // namespace
+
 void feed_back(const Selection& selection, double draw_ms, double frame_ms, const TimeSliceOptions& options,
                SelectState& state) {
+  if (state.costs) state.costs->learn(selection.load, draw_ms);
+  follow_target(frame_ms, options, state);
   const bool is_whole = selection.nodes_missing == 0;
   if (selection.cost > 0 && (is_whole || state.frame > kStreamingFrames)) {
     const double measured = std::max(draw_ms - state.overhead_ms, 0.0) / selection.cost;
@@ -132,13 +177,16 @@ void feed_back(const Selection& selection, double draw_ms, double frame_ms, cons
     state.share_ms = options.target_ms;
     return;
   }
+  // One slow frame tells of other programs, not of the share: with a cost model the estimate must say so, too.
+  if (state.costs && frame_ms > options.target_ms && selection.estimated_ms <= options.target_ms) return;
   if (frame_ms < options.target_ms * (1 - options.share_tolerance)) {
     if (selection.loaded_rejected > 0) state.share_ms *= 1 + options.share_gain;
   } else if (frame_ms > options.target_ms * (1 + options.share_tolerance)) {
     state.share_ms *= 1 - options.share_gain;
   }
-  state.share_ms = std::clamp(state.share_ms, options.target_ms / options.share_factor_max,
-                              options.target_ms * options.share_factor_max);
+  // Where the picture alone takes longer than the target, coarser levels save next to nothing: they stop at a share.
+  const double least = state.costs ? std::min(options.share_factor_max, kLeastShareDivisor) : options.share_factor_max;
+  state.share_ms = std::clamp(state.share_ms, options.target_ms / least, options.target_ms * options.share_factor_max);
 }
 
 }  // namespace promenade

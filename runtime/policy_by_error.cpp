@@ -1,5 +1,5 @@
-// Policies none, static, front and vlod: the front that an error asks for, with nearest resident ancestors where it is
-// not there.
+// Policies none, static, feedback, front and vlod: the front that an error asks for, with nearest resident ancestors
+// where it is not there.
 
 #include "runtime/selecting.h"
 
@@ -30,7 +30,7 @@ bool ByError::ends_paths(NodeId id) const {
   if (s_.options.policy == Policy::none) return false;
   if (s_.options.policy == Policy::front && s_.view.cell != nullptr)
     return ends_front(n, *s_.view.cell, *s_.view.bound);
-  return s_.fine_enough(n);
+  return s_.fine_enough(id);
 }
 
 /// Prices nodes beside the frustum that a turn of the head would show, as far as their error wants them.
@@ -95,6 +95,7 @@ void ByError::run() {
     }
     if (v.wanted || v.uncovered_children > 0) {
       s_.out.front.push_back(v.node);
+      if (!v.wanted) s_.state.nodes[index_of(v.node)].lacked = s_.state.frame;
       v.wanted = true;
     }
   }

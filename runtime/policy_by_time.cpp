@@ -8,6 +8,10 @@
 namespace promenade {
 namespace {
 
+/// Of shareTime that levels of detail get at least, however long the picture itself takes: coarser ones save little
+/// then.
+constexpr double kLeastPart = 4;
+
 class ByTime {
  public:
   explicit ByTime(Selecting& selecting) : s_(selecting) {}
@@ -29,6 +33,7 @@ class ByTime {
   void price_siblings(std::span<const NodeId> ids, double share_ms, bool seen_whole, Siblings& siblings);
   void update_hysteresis(NodeId id, double slice_ms, double needed_ms);
   bool time_allows(const Siblings& siblings, double share_ms) const;
+  double share_of_roots_ms() const;
 
   Selecting& s_;
 };
@@ -63,11 +68,10 @@ void ByTime::price_siblings(std::span<const NodeId> ids, double share_ms, bool s
     siblings.visible.push_back({id, double(priority), seen_whole || (s_.vlod != nullptr && s_.vlod->has(id))});
     sum += double(priority);
   }
-  const double ms_per_cost = s_.state.ms_per_cost > 0 ? s_.state.ms_per_cost : kFirstMsPerCost;
   for (Slice& slice : siblings.visible) {
     const double even = 1.0 / double(siblings.visible.size());
     slice.ms = share_ms * (sum > 0 ? slice.ms / sum : even);
-    const double needed_ms = ms_per_cost * node_cost(s_.node(slice.node), time);
+    const double needed_ms = s_.ms_of_node(slice.node);
     siblings.needed_ms += needed_ms;
     update_hysteresis(slice.node, slice.ms, needed_ms);
     siblings.cumulative_hysteresis += static_cast<int64_t>(
@@ -79,15 +83,22 @@ bool ByTime::time_allows(const Siblings& siblings, double share_ms) const {
   return s_.options.time.hysteresis ? siblings.cumulative_hysteresis >= 0 : share_ms > siblings.needed_ms;
 }
 
+/// With a cost model the picture's own time and what is spoken for are no levels' to share.
+double ByTime::share_of_roots_ms() const {
+  const double share_ms = s_.state.share_ms;
+  const double picture_ms = s_.state.costs ? s_.state.costs->estimate_ms(s_.out.load) : 0;
+  return std::max(share_ms - picture_ms - s_.view.reserved_ms, share_ms / kLeastPart);
+}
+
 void ByTime::run() {
   const bool bounded = s_.options.policy != Policy::lakhia;
   Siblings siblings;
-  price_siblings(s_.model.tables.roots, s_.state.share_ms, s_.vlod == nullptr, siblings);
+  price_siblings(s_.model.tables.roots, share_of_roots_ms(), s_.vlod == nullptr, siblings);
   std::vector<Slice> queue = siblings.visible;
   for (size_t i = 0; i < queue.size(); ++i) {
     const Slice at = queue[i];
     const NodeRecord& n = s_.node(at.node);
-    if (n.child_count == 0 || (bounded && s_.fine_enough(n))) {
+    if (n.child_count == 0 || (bounded && s_.fine_enough(at.node))) {
       s_.out.front.push_back(at.node);
       continue;
     }
@@ -100,10 +111,12 @@ void ByTime::run() {
       continue;
     }
     s_.out.front.push_back(at.node);
-    if (allowed)
+    if (allowed) {
       s_.out.nodes_missing += lacking;
-    else if (lacking == 0)
+      s_.state.nodes[index_of(at.node)].lacked = s_.state.frame;
+    } else if (lacking == 0) {
       ++s_.out.loaded_rejected;
+    }
   }
 }
 

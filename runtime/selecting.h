@@ -28,7 +28,27 @@ class Selecting {
   const NodeRecord& node(NodeId id) const { return model.tables.nodes[index_of(id)]; }
   bool resident(NodeId id) const { return resident_[index_of(id)] != 0; }
   bool visible(NodeId id) const { return classify(sight.frustum, node(id).box) != Overlap::outside; }
-  bool fine_enough(const NodeRecord& n) const { return error_px(n, sight, options.error_kind) <= options.pixel_error; }
+  /// Within the bound in pixels, or only just beyond the line where it was drawn finer in the frame before.
+  bool fine_enough(NodeId id) const {
+    const SelectState::Node& kept = state.nodes[index_of(id)];
+    const bool was_finer = kept.refined != 0 && kept.refined + 1 == state.frame;
+    double bound = options.policy == Policy::feedback ? state.feedback_pixel_error : options.pixel_error;
+    if (was_finer) bound *= 1 - options.error_hysteresis;
+    return error_px(node(id), sight, options.error_kind) <= bound;
+  }
+  /// What the node's box may cover of the picture.
+  double pixels_of(NodeId id) const {
+    const NodeRecord& n = node(id);
+    return covered_pixels(n.box, double(n.box.distance(sight.eye)), sight.pixels_per_radian,
+                          double(view.camera.width_px) * view.camera.height_px);
+  }
+  DrawLoad load_of(NodeId id) const { return load_of_node(node(id), pixels_of(id)); }
+  /// What drawing the node is foretold to take.
+  double ms_of_node(NodeId id) const {
+    if (state.costs) return state.costs->estimate_ms(load_of(id));
+    const double ms_per_cost = state.ms_per_cost > 0 ? state.ms_per_cost : kFirstMsPerCost;
+    return ms_per_cost * node_cost(node(id), options.time);
+  }
   /// Whether the vLOD, if there is one, has something of the node.
   bool may_be_seen(NodeId id) const { return vlod == nullptr || vlod->leads_to_some(id); }
   /// Tells the loader about the node: once a selection.
@@ -50,9 +70,11 @@ class Selecting {
   std::span<const uint8_t> resident_;
 };
 
-/// Policies none, static, front and vlod.
+/// Policies none, static, feedback, front and vlod.
 void select_by_error(Selecting& selecting);
 /// Policies time_slices, lakhia and vlod_time_slices.
 void select_by_time(Selecting& selecting);
+/// Policy cost_benefit.
+void select_by_benefit(Selecting& selecting);
 
 }  // namespace promenade
