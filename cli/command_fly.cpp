@@ -18,6 +18,8 @@ struct FlyArguments {
   uint32_t frames_every = 1;
   double seconds = 0;
   bool real_time = false;
+  bool settle = false, popping = false, published_estimate = false;
+  uint32_t noise_every = 0;
   ViewOptions view;
 };
 
@@ -32,6 +34,9 @@ FlightOptions flight_options(const FlyArguments& arguments) {
   options.height_px = arguments.view.size.height;
   options.vertical_fov_deg = arguments.view.vertical_fov_deg;
   options.near_m = arguments.view.near_m;
+  options.settle_first = arguments.settle;
+  options.measure_popping = arguments.popping;
+  options.redraw_every = arguments.noise_every;
   options.pacing = arguments.real_time ? Pacing::real_time : Pacing::every_frame;
   return options;
 }
@@ -79,11 +84,18 @@ class PictureTaker {
   uint32_t frame_count_;
 };
 
-void print_totals(const FlyArguments& arguments, const FlightTotals& t) {
+void print_totals(const FlyArguments& arguments, const FlightReport& report) {
+  const FlightTotals& t = report.totals;
   fmt::print("{} frames: {:.1f} ms median, {:.1f} ms p99, {:.2f} ms deviation\n", t.frames, t.frame_ms_p50,
              t.frame_ms_p99, t.frame_ms_stddev);
-  fmt::print("  {:.0f} triangles and {:.1f} nodes a frame, {:.3f} missing, {:.4f} toggles a frame\n",
+  const EstimateError error = estimate_error(report, true);
+  fmt::print("  estimates {:+.1f} % off, deviation {:.1f} %", error.mean_percent, error.stddev_percent);
+  if (t.frame_noise_percent > 0) fmt::print("; one picture drawn twice deviates by {:.1f} %", t.frame_noise_percent);
+  fmt::print("\n  {:.0f} triangles and {:.1f} nodes a frame, {:.3f} missing, {:.4f} toggles a frame\n",
              t.triangles_drawn_mean, t.nodes_drawn_mean, t.nodes_missing_mean, t.toggles_per_frame);
+  if (t.popped_share_mean)
+    fmt::print("  popped: {:.0f} pixels of a million a frame, {:.0f} at the 99th percentile\n",
+               *t.popped_share_mean * 1e6, t.popped_share_p99.value_or(0) * 1e6);
   if (t.cells_crossed > 0)
     fmt::print("  {} cells crossed, {:.0f} nodes and {:.0f} bytes a step, {} frames before a cell's vLOD was read\n",
                t.cells_crossed, t.delta_nodes_mean, t.delta_bytes_mean, t.vlods_missing);
@@ -103,6 +115,12 @@ Status run_fly(const FlyArguments& arguments, JobMonitor& monitor, Json& figures
   const Result<OffscreenRenderer> offscreen = make_offscreen_renderer(arguments.view);
   if (!offscreen) return offscreen.error();
   if (!arguments.frames_folder.empty()) PROMENADE_TRY(make_folder(arguments.frames_folder));
+  FlightOptions options = flight_options(arguments);
+  if (!arguments.published_estimate) {
+    const Result<DrawCosts> costs = draw_costs_of(*offscreen);
+    if (!costs) return costs.error();
+    options.session.draw_costs = *costs;
+  }
   const SelectOptions& select = arguments.view.session.select;
   FlightPage page{arguments.model.filename().string(),
                   arguments.path_file.filename().string(),
@@ -113,8 +131,7 @@ Status run_fly(const FlyArguments& arguments, JobMonitor& monitor, Json& figures
                   {}};
   PictureTaker pictures(arguments, path, page);
   const auto on_frame = [&](const FrameRow& row, Renderer& renderer) { return pictures(row, renderer); };
-  const Result<FlightReport> report =
-      fly(*source, *offscreen->renderer, path, flight_options(arguments), on_frame, monitor);
+  const Result<FlightReport> report = fly(*source, *offscreen->renderer, path, options, on_frame, monitor);
   if (!report) return report.error();
   figures = json_of(*report);
   figures["policy"] = page.policy;
@@ -122,7 +139,7 @@ Status run_fly(const FlyArguments& arguments, JobMonitor& monitor, Json& figures
   figures["target_ms"] = page.target_ms;
   if (!arguments.report_file.empty())
     PROMENADE_TRY(write_file(arguments.report_file, std::string_view(html_of(*report, page))));
-  print_totals(arguments, report->totals);
+  print_totals(arguments, *report);
   return Done{};
 }
 
@@ -144,6 +161,15 @@ Command add_fly(CLI::App& program) {
       ->capture_default_str();
   app->add_flag("--real-time", arguments->real_time,
                 "Move by the clock and drop late frames, instead of drawing every frame of the path");
+  app->add_flag("--settle", arguments->settle, "Load what the first view asks for before the first frame");
+  app->add_flag("--popping", arguments->popping,
+                "Measure how much of each picture popped: changed beyond what the camera's motion explains (slow)");
+  app->add_option("--noise-every", arguments->noise_every,
+                  "Draw every so many frames twice: what their times differ by is the machine's noise (0: none)")
+      ->capture_default_str();
+  app->add_flag("--published-estimate", arguments->published_estimate,
+                "Foretell frame times by triangles alone, as [lakhia2004] did, not by the machine's measured costs");
+  add_fade_option(*app, arguments->view);
   add_camera_options(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::vlod_time_slices, uint64_t(256) << 20);
   add_renderer_options(*app, arguments->view);

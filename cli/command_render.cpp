@@ -44,6 +44,7 @@ Status render_model(const RenderArguments& arguments, const std::vector<Camera>&
   if (!reader) return reader.error();
   const std::unique_ptr<ModelSource> source = source_of(*reader);
   SessionOptions options = arguments.view.session;
+  options.fade_frames = 0;  // still pictures
   options.background = background_of(arguments.view);
   options.frame_bytes = renderer.frame_bytes(arguments.view.size.width, arguments.view.size.height);
   options.loader_thread = false;  // a still picture waits for what it needs, in the same order each time

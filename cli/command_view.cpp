@@ -50,6 +50,7 @@ Command add_view(CLI::App& program) {
                   "Where to start: x,y,z,yaw,pitch in metres and degrees (default: before the model)");
   app->add_option("--folder", arguments->folder, "Where screenshots and recorded paths go")->capture_default_str();
   add_camera_options(*app, arguments->view);
+  add_fade_option(*app, arguments->view);
   add_renderer_option(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::vlod_time_slices, uint64_t(256) << 20);
   app->footer(

@@ -82,6 +82,31 @@ void add_renderer_options(CLI::App& app, ViewOptions& options) {
       ->default_str("automatic");
 }
 
+namespace {
+
+void add_benefit_options(CLI::App& app, BenefitOptions& benefit) {
+  CLI::Option_group* group = app.add_option_group(
+      "cost-benefit", "What drawing is worth to the cost-benefit policy; a weight of 0: no such factor");
+  group->add_option("--half-error", benefit.half_error_px, "Error at which half of the worth is lost, pixels")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  const auto add_weight = [group](const char* name, double& weight, const char* help) {
+    group->add_option(name, weight, help)->check(CLI::Range(0.0, 1.0))->capture_default_str();
+  };
+  add_weight("--focus-weight", benefit.focus_weight, "Lost at the picture's corners");
+  add_weight("--motion-weight", benefit.motion_weight, "Lost by what moves as fast as its triangles are large");
+  add_weight("--benefit-hysteresis", benefit.hysteresis_weight, "Lost by levels that were not shown the frame before");
+}
+
+}  // namespace
+
+void add_fade_option(CLI::App& app, ViewOptions& options) {
+  app.add_option("--fade-frames", options.session.fade_frames,
+                 "Frames in which a switch between levels fades (0: it pops)")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+}
+
 void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_policy, uint64_t default_memory_bytes) {
   SelectOptions& select = options.session.select;
   LoaderOptions& loader = options.session.loader;
@@ -104,6 +129,11 @@ void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_poli
   app.add_option("--disk-seek-ms", loader.disk_seek_ms, "Emulated time of a read elsewhere, ms")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_option("--error-hysteresis", select.error_hysteresis,
+                 "Part of --pixel-error by which a finer level must be finer than asked for before it is given up")
+      ->check(CLI::Range(0.0, 0.9))
+      ->capture_default_str();
+  add_benefit_options(app, select.benefit);
   CLI::Option_group* group = app.add_option_group("time slices", "Constants of the time-slices and lakhia policies");
   group->add_option("--hysteresis-switch", time.hysteresis_switch, "Threshold at which a node's level changes")
       ->capture_default_str();
@@ -138,12 +168,12 @@ namespace {
 Result<OffscreenRenderer> gl_renderer_on(std::unique_ptr<GlContext> context) {
   Result<std::unique_ptr<GlRenderer>> renderer = create_gl_renderer(*context);
   if (!renderer) return renderer.error();
-  std::string description = context->description();
-  return OffscreenRenderer{std::move(context), std::move(*renderer), std::move(description)};
+  const std::string description = context->description();
+  return OffscreenRenderer{std::move(context), std::move(*renderer), description, description};
 }
 
 OffscreenRenderer on_the_cpu(const std::string& why) {
-  return {nullptr, create_cpu_renderer(), "cpu: visibility buffer" + why};
+  return {nullptr, create_cpu_renderer(), "cpu: visibility buffer" + why, "cpu"};
 }
 
 /// Both renderers, a few frames each.
@@ -188,6 +218,10 @@ Result<OffscreenRenderer> make_offscreen_renderer(const ViewOptions& options) {
   Result<OffscreenRenderer> chosen = faster_renderer(options.offscreen);
   if (chosen) fmt::print(stderr, "renderer: {}\n", chosen->description);
   return chosen;
+}
+
+Result<DrawCosts> draw_costs_of(const OffscreenRenderer& offscreen) {
+  return draw_costs_here(*offscreen.renderer, offscreen.name);
 }
 
 Result<CameraPath> read_path(const std::filesystem::path& file) {

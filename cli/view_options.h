@@ -41,6 +41,9 @@ void add_renderer_options(CLI::App& app, ViewOptions& options);
 /// --policy, --pixel-error, --memory, --target-ms, --disk-*, and the policies' constants.
 void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_policy, uint64_t default_memory_bytes);
 
+/// --fade-frames: for what shows frame after frame.
+void add_fade_option(CLI::App& app, ViewOptions& options);
+
 Camera camera_of(const ViewOptions& options, const Pose& pose);
 Background background_of(const ViewOptions& options);
 
@@ -49,8 +52,12 @@ struct OffscreenRenderer {
   std::unique_ptr<GlContext> context;
   std::unique_ptr<Renderer> renderer;
   std::string description;  ///< for reports
+  std::string name;         ///< the renderer's alone, for what is stored about it
 };
 Result<OffscreenRenderer> make_offscreen_renderer(const ViewOptions& options);
+
+/// What drawing costs with it on this machine, measured on first use (runtime/draw_costs.h).
+Result<DrawCosts> draw_costs_of(const OffscreenRenderer& offscreen);
 
 /// A recorded path from its file.
 Result<CameraPath> read_path(const std::filesystem::path& file);

@@ -67,6 +67,48 @@ class Timeline {
   double t_s_ = 0, last_t_s_ = 0;
 };
 
+/// In percent: what the two times of frames that were drawn twice deviate by.
+double noise_of(const std::vector<FrameRow>& rows) {
+  double squares = 0;
+  uint64_t pairs = 0;
+  for (const FrameRow& row : rows) {
+    if (row.redraw_ms <= 0) continue;
+    const double mean = (row.draw_ms + row.redraw_ms) / 2;
+    const double off = (row.draw_ms - row.redraw_ms) / mean;
+    squares += off * off / 2;  // the difference of two has twice the variance of one
+    ++pairs;
+  }
+  return pairs == 0 ? 0 : 100 * std::sqrt(squares / double(pairs));
+}
+
+/// Compares each picture with the one before it.
+class PoppingMeter {
+ public:
+  Status measure(Renderer& renderer, const Camera& camera, FrameRow& row) {
+    Result<Image> color = renderer.read_color();
+    if (!color) return color.error();
+    Result<std::vector<float>> depth = renderer.read_depth();
+    if (!depth) return depth.error();
+    SeenFrame now{camera, std::move(*color), std::move(*depth)};
+    if (before_) row.popped_share = popping_between(*before_, now).popped_share();
+    before_ = std::move(now);
+    return Done{};
+  }
+
+ private:
+  std::optional<SeenFrame> before_;
+};
+
+void add_popping(const std::vector<FrameRow>& rows, FlightTotals& totals) {
+  std::vector<double> shares;
+  double sum = 0;
+  for (const FrameRow& row : rows)
+    if (row.popped_share) shares.push_back(*row.popped_share), sum += *row.popped_share;
+  if (shares.empty()) return;
+  totals.popped_share_mean = sum / double(shares.size());
+  totals.popped_share_p99 = percentile(shares, 0.99);
+}
+
 }  // namespace
 
 FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
@@ -76,6 +118,7 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
   for (const FrameRow& row : rows) {
     frame_ms.push_back(row.frame_ms);
     response_ms.push_back(row.response_ms);
+    totals.toggles_loading += row.toggles_loading;
     totals.stalls += row.frame_ms > 2 * target_ms ? 1 : 0;
     totals.bytes_read += row.bytes_read;
     totals.cells_crossed += row.cell_crossed ? 1 : 0;
@@ -96,6 +139,9 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
   totals.delta_bytes_mean = mean_of(rows, [](const FrameRow& r) { return r.delta_bytes; }) * count / crossings;
   totals.delta_nodes_mean = mean_of(rows, [](const FrameRow& r) { return r.delta_nodes; }) * count / crossings;
   totals.toggles_per_frame = mean_of(rows, [](const FrameRow& r) { return r.toggles; });
+  totals.nodes_fading_mean = mean_of(rows, [](const FrameRow& r) { return r.nodes_fading; });
+  totals.frame_noise_percent = noise_of(rows);
+  add_popping(rows, totals);
   return totals;
 }
 
@@ -109,7 +155,11 @@ Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const Ca
   Camera camera{pose_of_frame(path, 0), options.width_px, options.height_px, options.vertical_fov_deg, options.near_m};
   if (options.measure_overhead) PROMENADE_TRY(session->measure_overhead(camera));
 
+  if (options.settle_first)
+    if (const Result<FrameRow> settled = session->settle(camera); !settled) return settled.error();
+
   FlightReport report;
+  PoppingMeter popping;
   const bool paced = options.pacing == Pacing::every_frame;
   const bool threaded = session_options.loader_thread;
   const uint64_t frames = path.frame_count();
@@ -121,6 +171,12 @@ Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const Ca
     if (paced && threaded) session->run_loader(loader_ms);
     Result<FrameRow> row = session->frame(camera, time.dt_s());
     if (!row) return row.error();
+    if (options.redraw_every > 0 && row->frame % options.redraw_every == 0) {
+      const Result<double> again_ms = session->redraw();
+      if (!again_ms) return again_ms.error();
+      row->redraw_ms = *again_ms;
+    }
+    if (options.measure_popping) PROMENADE_TRY(popping.measure(renderer, camera, *row));
     if (!threaded) session->run_loader(loader_ms);
     if (paced) session->wait_for_loader();
     row->t_s = time.t_s();

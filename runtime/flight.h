@@ -2,11 +2,13 @@
 // Flying through a model along a recorded path, with figures for every frame.
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/job_monitor.h"
 #include "geometry/path.h"
+#include "runtime/popping.h"
 #include "runtime/session.h"
 
 namespace promenade {
@@ -29,6 +31,11 @@ struct FlightOptions {
   double near_m = 0.1;
   Pacing pacing = Pacing::every_frame;
   bool measure_overhead = true;  ///< some frames of the roots alone before the first
+  /// Load what the first pose asks for before the first frame: the flight of someone who has stood there for a while.
+  bool settle_first = false;
+  /// Every so many frames one is drawn twice, to know the machine's noise; 0: none.
+  uint32_t redraw_every = 0;
+  bool measure_popping = false;  ///< reads every picture back and compares it with the one before; takes time
 };
 
 /// The totals of `fly --json`, names as there.
@@ -38,10 +45,15 @@ struct FlightTotals {
   double response_ms_p99 = 0;
   double triangles_drawn_mean = 0, nodes_drawn_mean = 0, nodes_missing_mean = 0;
   double toggles_per_frame = 0;
-  uint64_t cells_crossed = 0;   ///< 0 without cells
-  double delta_bytes_mean = 0;  ///< read for a step into another cell; 0 without cells
-  double delta_nodes_mean = 0;  ///< that came or went with a step
-  uint64_t vlods_missing = 0;   ///< frames that the tree alone served inside a cell: its vLOD was not read yet
+  uint64_t toggles_loading = 0;  ///< of all toggles: up, because the finer level had just been loaded
+  double nodes_fading_mean = 0;
+  /// Deviation of the time for one and the same picture, drawn twice, in percent of it; 0: not measured.
+  double frame_noise_percent = 0;
+  std::optional<double> popped_share_mean, popped_share_p99;  ///< nullopt: not measured
+  uint64_t cells_crossed = 0;                                 ///< 0 without cells
+  double delta_bytes_mean = 0;                                ///< read for a step into another cell; 0 without cells
+  double delta_nodes_mean = 0;                                ///< that came or went with a step
+  uint64_t vlods_missing = 0;  ///< frames that the tree alone served inside a cell: its vLOD was not read yet
   uint64_t bytes_read = 0;
   uint64_t reads = 0;              ///< runs of bytes that lie one behind the other in a file
   uint64_t bytes_read_useful = 0;  ///< of segments whose node was drawn before it left memory again

@@ -12,6 +12,7 @@
 
 #include "geometry/camera.h"
 #include "layout/cell_front.h"
+#include "runtime/draw_costs.h"
 #include "runtime/priority_list.h"
 #include "runtime/vlod_marks.h"
 
@@ -20,21 +21,29 @@ namespace promenade {
 enum class Policy : uint8_t {
   none,          ///< no detail elision: every leaf in the frustum
   static_error,  ///< "static": the coarsest front whose projected error stays within pixel_error
-  time_slices,   ///< [lakhia2004] section 4.2, never refined beyond pixel_error
-  lakhia,        ///< [lakhia2004] section 4.2 as published: refines as long as time is left
-  front,         ///< the front of the eye's cell, nothing hidden; outside the cells: static
-  vlod,          ///< the vLOD of the eye's cell [chhugani2003]; outside the cells: static
+  feedback,      ///< static with a bound that follows the last frames' times ([funkhouser1993] section 4.2.2)
+  /// The front of the most benefit that fits into target_ms, never refined beyond pixel_error; hidden nodes are left
+  /// out where a vLOD is there ([funkhouser1993] section 4.2.3, from chains of levels to the tree).
+  cost_benefit,
+  time_slices,  ///< [lakhia2004] section 4.2, never refined beyond pixel_error
+  lakhia,       ///< [lakhia2004] section 4.2 as published: refines as long as time is left
+  front,        ///< the front of the eye's cell, nothing hidden; outside the cells: static
+  vlod,         ///< the vLOD of the eye's cell [chhugani2003]; outside the cells: static
   /// Time slices over what the vLOD says can be seen (the default); outside the cells: time_slices. The cell tells what
   /// is hidden, the eye how fine the rest must be.
   vlod_time_slices,
 };
-/// "none", "static", "time-slices", "lakhia", "front", "vlod", "vlod-time-slices".
+/// "none", "static", "feedback", "cost-benefit", "time-slices", "lakhia", "front", "vlod", "vlod-time-slices".
 std::string_view name_of(Policy policy);
 std::optional<Policy> policy_named(std::string_view name);
 /// All names, for usage texts: "none, static, time-slices, ...".
 std::string policy_names();
+/// Every policy, the default first: for menus.
+std::span<const Policy> all_policies();
 /// Whether the policy asks what the eye's cell sees.
-constexpr bool uses_vlod(Policy policy) { return policy == Policy::vlod || policy == Policy::vlod_time_slices; }
+constexpr bool uses_vlod(Policy policy) {
+  return policy == Policy::vlod || policy == Policy::vlod_time_slices || policy == Policy::cost_benefit;
+}
 /// Whether the policy shares out frame time.
 constexpr bool uses_time(Policy policy) {
   return policy == Policy::time_slices || policy == Policy::lakhia || policy == Policy::vlod_time_slices;
@@ -64,11 +73,28 @@ struct TimeSliceOptions {
   double share_factor_max = 1000;  ///< shareTime stays within target_ms / this and target_ms * this
 };
 
+/// What an object's drawing is worth, [funkhouser1993] section 4.2.3: size x accuracy x importance x focus x motion x
+/// hysteresis, each factor in [0, 1] but the size in pixels. A weight of 0 switches its factor off.
+struct BenefitOptions {
+  /// Error at which a picture tells half of what the ideal one would, pixels. The paper's accuracy counts samples; here
+  /// a node's error is known: accuracy = 1 / (1 + error / this).
+  double half_error_px = 4;
+  double focus_weight = 0.5;       ///< lost at the corners of the picture
+  double motion_weight = 0.5;      ///< of the speed on the screen over the size of a triangle, both pixels a frame
+  double hysteresis_weight = 0.1;  ///< lost by a level that was not drawn in the frame before
+  double importance_weight = 1;    ///< of SelectView::importance
+  double frame_s = 1.0 / 30;       ///< in which motion blurs
+};
+
 struct SelectOptions {
   Policy policy = Policy::vlod_time_slices;
   double pixel_error = 1;                   ///< pixels; static, time_slices and vlod_time_slices
   ErrorKind error_kind = ErrorKind::bound;  ///< what pixel_error is compared with
+  /// A node that was refined in the last frame stays so until its error is this part below pixel_error: finer than
+  /// asked for, never coarser. Without it an eye that stands on the line between two levels flickers.
+  double error_hysteresis = 0.1;
   TimeSliceOptions time;
+  BenefitOptions benefit;
   /// The eye is taken where it will be this much later, for priorities only ("slightly adjusted based on the user's
   /// velocity").
   double look_ahead_s = 0.25;
@@ -83,6 +109,11 @@ struct SelectOptions {
 struct SelectView {
   Camera camera;
   glm::dvec3 velocity_m_per_s{0};
+  double turn_rad_per_s = 0;  ///< how fast the view direction changes
+  /// Milliseconds of target_ms that are spoken for: uploads, what fades.
+  double reserved_ms = 0;
+  /// By node, in [0, 1]; empty: all 1. [funkhouser1993]'s semantics.
+  std::span<const float> importance;
   /// The vLOD of the eye's cell; null: outside the cells, or not read yet: the tree alone serves.
   const VlodMarks* vlod = nullptr;
   const Box* cell = nullptr;          ///< the eye's cell; null: outside
@@ -94,6 +125,7 @@ struct SelectState {
   struct Node {
     float hysteresis = 0;
     uint32_t visited = 0, drawn = 0, refined = 0;  ///< frame of the last time, 0: never
+    uint32_t lacked = 0;                           ///< the same, drawn because finer nodes were wanted but not resident
   };
   std::vector<Node> nodes;
   uint32_t frame = 0;
@@ -102,6 +134,9 @@ struct SelectState {
   uint32_t measured_frames = 0;
   double overhead_ms = 0;  ///< of a frame that draws the roots alone
   double share_ms = 0;     ///< shareTime of the roots; 0: not set yet
+  /// What drawing costs; then it and not v_time foretells. nullopt: v_time, as published.
+  std::optional<CostModel> costs;
+  double feedback_pixel_error = 0;  ///< policy feedback's bound now; 0: not set yet
   /// Nodes on the way of a selection, parents before children; scratch.
   struct Visit {
     NodeId node = kNoNode;
@@ -117,12 +152,15 @@ struct Selection {
   std::vector<NodeId> front;            ///< to draw, all resident, nearest first
   std::vector<PriorityUpdate> updates;  ///< every node visited, each once
   uint64_t triangles = 0;
-  uint64_t nodes_missing = 0;    ///< nodes of the chosen front that were not resident: an ancestor stands in
-  uint64_t toggles_up = 0;       ///< nodes drawn last frame, now refined ([lakhia2004] section 6.5)
-  uint64_t toggles_down = 0;     ///< nodes refined last frame, now drawn
-  uint64_t loaded_rejected = 0;  ///< sibling sets that were resident but had no time
-  double cost = 0;               ///< sum of the front's cost_n
-  double estimated_ms = 0;       ///< overhead + v_time x cost
+  uint64_t nodes_missing = 0;       ///< nodes of the chosen front that were not resident: an ancestor stands in
+  uint64_t toggles_up = 0;          ///< nodes drawn last frame, now refined ([lakhia2004] section 6.5)
+  uint64_t toggles_down = 0;        ///< nodes refined last frame, now drawn
+  uint64_t toggles_loading = 0;     ///< of both: because finer nodes came into memory or left it
+  uint64_t loaded_rejected = 0;     ///< sibling sets that were resident but had no time
+  uint64_t optimisation_steps = 0;  ///< cost_benefit: levels changed on the way from the last frame's front
+  double cost = 0;                  ///< sum of the front's cost_n
+  DrawLoad load;                    ///< of the front, with the picture's
+  double estimated_ms = 0;          ///< of drawing: by SelectState::costs, else overhead + v_time x cost
   double estimated_without_feedback_ms = 0;
   std::vector<uint32_t> nodes_by_level;  ///< of the front, by NodeRecord::level
 };
@@ -132,7 +170,8 @@ struct Selection {
 void select(const Model& model, const SelectView& view, std::span<const uint8_t> resident, const SelectOptions& options,
             SelectState& state, Selection& selection);
 
-/// The feedback loops, once a frame after drawing. draw_ms: selection and drawing, what v_time is to foretell;
+/// The feedback loops, once a frame after drawing. draw_ms: drawing (without a cost model selection, too), what
+/// estimated_ms is to foretell;
 /// frame_ms: all that the frame took, what shareTime is to keep near target_ms.
 void feed_back(const Selection& selection, double draw_ms, double frame_ms, const TimeSliceOptions& options,
                SelectState& state);

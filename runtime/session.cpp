@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <optional>
+
+#include "runtime/fades.h"
 
 namespace promenade {
 namespace {
@@ -23,8 +27,9 @@ uint64_t table_bytes(const ModelTables& tables) {
 }
 
 /// What selection takes a node, its lists at their longest included.
-constexpr uint64_t kSelectBytesPerNode =
-    sizeof(SelectState::Node) + sizeof(SelectState::Visit) + sizeof(PriorityUpdate) + sizeof(NodeId);
+constexpr uint64_t kSelectBytesPerNode = sizeof(SelectState::Node) + sizeof(SelectState::Visit) +
+                                         sizeof(PriorityUpdate) + sizeof(NodeId) +
+                                         2 * sizeof(uint32_t);  // and what fades remember
 
 /// What cells take: their tables, the vLODs in memory, and marks on the tree for one of them.
 uint64_t cell_bytes(const ModelSource& source, const VlodStore& vlods) {
@@ -43,7 +48,8 @@ constexpr int kOverheadFrames = 8;
 /// from one end of its range to the other.
 uint32_t still_frames(const SelectOptions& options) {
   constexpr uint32_t kStillFrames = 3;
-  if (!uses_time(options.policy)) return kStillFrames;
+  if (!uses_time(options.policy) && options.policy != Policy::cost_benefit && options.policy != Policy::feedback)
+    return kStillFrames;
   return kStillFrames + static_cast<uint32_t>(2 * options.time.hysteresis_limit);
 }
 
@@ -51,7 +57,9 @@ uint32_t still_frames(const SelectOptions& options) {
 
 struct Session::State {
   State(const ModelSource& from, Renderer& draws_with, const SessionOptions& with)
-      : source(from), renderer(draws_with), options(with), cursor(from.cells()), vlods(from) {}
+      : source(from), renderer(draws_with), options(with), cursor(from.cells()), vlods(from), fades(from.model()) {
+    if (with.draw_costs) select_state.costs.emplace(*with.draw_costs);
+  }
   ~State() {
     thread.reset();
     if (set) set->clear(renderer);
@@ -60,6 +68,8 @@ struct Session::State {
   State& operator=(const State&) = delete;
 
   Status draw(const Camera& camera);
+  void choose(const Camera& camera, const SelectView& seen, FrameRow& row);
+  void look_back(const Camera& camera, double dt_s, SelectView& seen);
   void move_to(const Camera& camera, SelectView& seen, FrameRow& row);
   void use_vlod(CellId cell, FrameRow& row);
 
@@ -77,7 +87,11 @@ struct Session::State {
   Selection selection;
   FrameView view;
   std::vector<DrawItem> items;
-  std::optional<glm::dvec3> last_eye;
+  Fades fades;
+  std::vector<FadedNode> faded;
+  DrawLoad load;       ///< of the frame, fades included
+  double fade_ms = 0;  ///< what the fades are foretold to take
+  std::optional<Pose> last_pose;
   uint64_t last_bytes_read = 0;
   double inline_credit_ms = 0;
   uint32_t frames = 0;
@@ -110,8 +124,42 @@ Result<Session> Session::open(const ModelSource& source, Renderer& renderer, con
 Status Session::State::draw(const Camera& camera) {
   view.camera = camera;
   items.clear();
-  for (const NodeId id : selection.front) items.push_back({set->mesh_of(id), id, glm::mat4(1)});
+  for (const FadedNode& f : faded) items.push_back({set->mesh_of(f.node), f.node, glm::mat4(1), f.from, f.to});
   return renderer.draw(view, items);
+}
+
+/// How the eye has moved since the last frame.
+void Session::State::look_back(const Camera& camera, double dt_s, SelectView& seen) {
+  if (dt_s > 0 && last_pose) {
+    seen.velocity_m_per_s = (camera.pose.eye - last_pose->eye) / dt_s;
+    const double cosine = glm::dot(basis_of(camera.pose).forward, basis_of(*last_pose).forward);
+    seen.turn_rad_per_s = std::acos(std::clamp(cosine, -1.0, 1.0)) / dt_s;
+  }
+  last_pose = camera.pose;
+}
+
+/// Selects, and lets switches between levels fade.
+void Session::State::choose(const Camera& camera, const SelectView& seen, FrameRow& row) {
+  select(source.model(), seen, set->resident(), options.select, select_state, selection);
+  const VlodMarks* hides = uses_vlod(options.select.policy) ? seen.vlod : nullptr;
+  fades.follow(selection.front, set->resident(), frustum_of(camera, source.model().manifest.origin), hides,
+               options.fade_frames, faded);
+  load = selection.load;
+  row.triangles_drawn = selection.triangles;
+  const glm::vec3 eye(camera.pose.eye - source.model().manifest.origin);
+  DrawLoad fading;
+  for (const FadedNode& f : faded) {
+    if (!f.extra) continue;
+    const NodeRecord& node = source.model().tables.nodes[index_of(f.node)];
+    const double pixels = covered_pixels(node.box, double(node.box.distance(eye)), pixels_per_radian(camera),
+                                         double(camera.width_px) * camera.height_px);
+    fading += load_of_node(node, pixels);
+    row.triangles_drawn += node.triangles;
+    ++row.nodes_fading;
+  }
+  load += fading;
+  fade_ms = select_state.costs ? select_state.costs->estimate_ms(fading)
+                               : select_state.ms_per_cost * fading.amount[DrawLoad::triangles] / 2;
 }
 
 /// Changes to the vLOD of the eye's cell if it is there.
@@ -154,17 +202,24 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   row.upload_ms = ms_since(begin);
 
   const Clock::time_point selecting = Clock::now();
-  SelectView view{camera, glm::dvec3(0)};
-  if (dt_s > 0 && s.last_eye) view.velocity_m_per_s = (camera.pose.eye - *s.last_eye) / dt_s;
-  s.last_eye = camera.pose.eye;
+  SelectView view;
+  view.camera = camera;
+  s.look_back(camera, dt_s, view);
   s.move_to(camera, view, row);
   const SelectOptions& select_options = s.options.select;
-  select(s.source.model(), view, s.set->resident(), select_options, s.select_state, s.selection);
+  view.importance = s.options.importance;
+  // What fades go on taking, and what this frame has taken so far. Without a cost model: as published.
+  if (s.select_state.costs) view.reserved_ms = s.fade_ms + row.upload_ms;
+  s.choose(camera, view, row);
   s.set->update(s.selection.updates, NodePricer(s.source.model(), view, select_options));
   s.set->mark_drawn(s.selection.front);
   if (s.thread) s.thread->wake();
   row.select_ms = ms_since(selecting);
 
+  // With v_time the estimate has selection in it.
+  const double before_ms = s.select_state.costs ? row.upload_ms + row.select_ms : row.upload_ms;
+  row.estimated_ms = before_ms + s.selection.estimated_ms + s.fade_ms;
+  row.estimated_without_feedback_ms = before_ms + s.selection.estimated_without_feedback_ms + s.fade_ms;
   const Clock::time_point drawing = Clock::now();
   PROMENADE_TRY(s.draw(camera));
   row.draw_ms = ms_since(drawing);
@@ -172,22 +227,33 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   row.frame_ms = ms_since(begin);
   row.response_ms = row.frame_ms;
   row.frame = s.frames++;
-  row.estimated_ms = s.selection.estimated_ms;
-  row.estimated_without_feedback_ms = s.selection.estimated_without_feedback_ms;
   row.share_ms = s.select_state.share_ms;
-  row.triangles_drawn = s.selection.triangles;
-  row.nodes_drawn = s.selection.front.size();
+  row.nodes_drawn = s.selection.front.size() + row.nodes_fading;
+  row.pace = s.select_state.costs ? s.select_state.costs->pace() : 1;
   row.nodes_missing = s.selection.nodes_missing;
   row.toggles_up = s.selection.toggles_up;
   row.toggles_down = s.selection.toggles_down;
+  row.toggles_loading = s.selection.toggles_loading;
   row.toggles = row.toggles_up + row.toggles_down;
   row.nodes_by_level = s.selection.nodes_by_level;
   row.resident_bytes = s.set->memory().total();
   const uint64_t bytes_read = loader_counts().bytes_read;
   row.bytes_read = bytes_read - s.last_bytes_read;
   s.last_bytes_read = bytes_read;
-  feed_back(s.selection, row.select_ms + row.draw_ms, row.frame_ms, select_options.time, s.select_state);
+  if (s.select_state.costs) {
+    s.selection.load = s.load;
+    s.selection.estimated_ms = row.estimated_ms;
+    feed_back(s.selection, row.draw_ms, row.frame_ms, select_options.time, s.select_state);
+  } else {
+    feed_back(s.selection, row.select_ms + row.draw_ms, row.frame_ms, select_options.time, s.select_state);
+  }
   return row;
+}
+
+Result<double> Session::redraw() {
+  const Clock::time_point drawing = Clock::now();
+  PROMENADE_TRY(state_->renderer.draw(state_->view, state_->items));
+  return ms_since(drawing);
 }
 
 void Session::run_loader(double ms) {
@@ -223,7 +289,7 @@ Result<FrameRow> Session::settle(const Camera& camera, uint32_t max_frames) {
     const uint64_t loaded = counts.nodes_loaded + counts.textures_loaded + counts.pieces + counts.vlods_loaded;
     const bool same =
         loaded == loaded_before && row->nodes_drawn == last.nodes_drawn && row->triangles_drawn == last.triangles_drawn;
-    still = same ? still + 1 : 0;
+    still = same && row->nodes_fading == 0 ? still + 1 : 0;
     loaded_before = loaded;
     last = *row;
   }
@@ -269,5 +335,6 @@ uint64_t Session::resident_bytes() const { return state_->set->memory().total();
 uint64_t Session::resident_bytes_peak() const { return state_->set->memory_peak_bytes(); }
 SelectOptions& Session::select_options() { return state_->options.select; }
 FrameView& Session::frame_view() { return state_->view; }
+uint32_t& Session::fade_frames() { return state_->options.fade_frames; }
 
 }  // namespace promenade

@@ -29,6 +29,14 @@ struct SessionOptions {
   Lighting lighting;
   Background background;
   bool textures = true;
+  /// What drawing costs with this renderer (draw_costs_here); nullopt: frame times are foretold by [lakhia2004]'s
+  /// v_time.
+  std::optional<DrawCosts> draw_costs;
+  /// Frames that a switch between levels takes to fade; 0: switches pop. A fade draws both levels: policies that share
+  /// out time are charged for it.
+  uint32_t fade_frames = 8;
+  /// [funkhouser1993]'s semantics: how much each node matters, in [0, 1]; empty: all 1.
+  std::vector<float> importance;
 };
 
 /// What one frame did. Names as in `fly --json`.
@@ -38,18 +46,24 @@ struct FrameRow {
   double frame_ms = 0;  ///< select + upload + draw: what the render thread was busy with
   double select_ms = 0, upload_ms = 0, draw_ms = 0;
   double response_ms = 0;  ///< from reading the pose to the finished picture, waiting included
+  /// What frame_ms was expected to be when the front had been chosen and drawing began.
   double estimated_ms = 0, estimated_without_feedback_ms = 0;
   double share_ms = 0;  ///< shareTime of the roots
   uint64_t triangles_drawn = 0, nodes_drawn = 0, nodes_missing = 0;
   uint64_t toggles = 0, toggles_up = 0, toggles_down = 0;
-  uint64_t resident_bytes = 0;  ///< all that the memory bound counts
-  uint64_t bytes_read = 0;      ///< since the frame before
-  std::optional<CellId> cell;   ///< the eye's; nullopt: outside
-  bool cell_crossed = false;    ///< into another cell than in the frame before
-  bool vlod_missing = false;    ///< the policy asks for the cell's vLOD, which is not read yet: the tree alone served
-  uint64_t delta_nodes = 0;     ///< that came or went with the vLOD that is now used
-  uint64_t delta_bytes = 0;     ///< that it took on disk
+  uint64_t toggles_loading = 0;  ///< of those up: what came was not there a frame before
+  uint64_t nodes_fading = 0;     ///< drawn besides the front, for fades; their triangles are in triangles_drawn
+  double pace = 1;               ///< of the machine: how much longer frames take than measured once
+  uint64_t resident_bytes = 0;   ///< all that the memory bound counts
+  uint64_t bytes_read = 0;       ///< since the frame before
+  std::optional<CellId> cell;    ///< the eye's; nullopt: outside
+  bool cell_crossed = false;     ///< into another cell than in the frame before
+  bool vlod_missing = false;     ///< the policy asks for the cell's vLOD, which is not read yet: the tree alone served
+  uint64_t delta_nodes = 0;      ///< that came or went with the vLOD that is now used
+  uint64_t delta_bytes = 0;      ///< that it took on disk
   std::vector<uint32_t> nodes_by_level;
+  double redraw_ms = 0;                ///< fly: the same picture drawn again; 0: it was not
+  std::optional<double> popped_share;  ///< fly: of the pixels (runtime/popping.h)
 };
 
 /// One thread (the renderer's).
@@ -74,6 +88,10 @@ class Session {
   /// max_frames are drawn: a still picture.
   Result<FrameRow> settle(const Camera& camera, uint32_t max_frames = 2000);
 
+  /// Draws the last frame once more, as it was; returns the milliseconds. What two times for one picture differ by is
+  /// the machine's noise: no estimate can be better.
+  Result<double> redraw();
+
   /// Time of a frame that draws the roots alone: [lakhia2004]'s fixed overhead and the shading of a picture. Draws a
   /// few.
   Status measure_overhead(const Camera& camera);
@@ -87,6 +105,7 @@ class Session {
   uint64_t resident_bytes_peak() const;
   SelectOptions& select_options();  ///< may be changed between frames
   FrameView& frame_view();          ///< light and background; may be changed between frames
+  uint32_t& fade_frames();          ///< may be changed between frames
 
  private:
   struct State;

@@ -197,11 +197,8 @@ Status Viewer::screenshot() {
 
 void Viewer::draw_settings() {
   SelectOptions& select = session_.select_options();
-  static constexpr std::array<Policy, 7> kPolicies = {
-      Policy::vlod_time_slices, Policy::vlod,   Policy::front, Policy::time_slices,
-      Policy::static_error,     Policy::lakhia, Policy::none};
   if (ImGui::BeginCombo("policy", std::string(name_of(select.policy)).c_str())) {
-    for (const Policy policy : kPolicies)
+    for (const Policy policy : all_policies())
       if (ImGui::Selectable(std::string(name_of(policy)).c_str(), policy == select.policy)) select.policy = policy;
     ImGui::EndCombo();
   }
@@ -210,6 +207,28 @@ void Viewer::draw_settings() {
     select.pixel_error = double(pixel_error);
   if (ImGui::SliderFloat("target ms", &target_ms, 5, 200, "%.0f", ImGuiSliderFlags_Logarithmic))
     select.time.target_ms = double(target_ms);
+  const auto slide = [](const char* label, double& value, float least, float most) {
+    float shown = static_cast<float>(value);
+    if (ImGui::SliderFloat(label, &shown, least, most, "%.2f")) value = double(shown);
+  };
+  slide("error hysteresis", select.error_hysteresis, 0, 0.5F);
+  if (select.policy == Policy::cost_benefit && ImGui::CollapsingHeader("worth of drawing")) {
+    slide("half error px", select.benefit.half_error_px, 0.5F, 32);
+    slide("focus", select.benefit.focus_weight, 0, 1);
+    slide("motion", select.benefit.motion_weight, 0, 1);
+    slide("hysteresis", select.benefit.hysteresis_weight, 0, 1);
+  }
+  if (uses_time(select.policy) && ImGui::CollapsingHeader("time slices")) {
+    ImGui::Checkbox("hysteresis", &select.time.hysteresis);
+    slide("switch", select.time.hysteresis_switch, 1, 50);
+    slide("limit", select.time.hysteresis_limit, 1, 150);
+    slide("visibility", select.time.visibility_weight, 0, 4);
+    slide("foreshortening", select.time.foreshortening_weight, 0, 1);
+    ImGui::Checkbox("refine when all children are there", &select.time.all_children_resident);
+    ImGui::Checkbox("share follows time", &select.time.share_feedback);
+  }
+  int fade_frames = static_cast<int>(session_.fade_frames());
+  if (ImGui::SliderInt("fade frames", &fade_frames, 0, 60)) session_.fade_frames() = static_cast<uint32_t>(fade_frames);
   ImGui::Checkbox("textures", &session_.frame_view().textures);
 }
 
@@ -293,6 +312,9 @@ Result<ViewerReport> view(const ModelSource& source, const ViewerOptions& option
   const Result<WindowRenderer> drawing = make_renderer(options.renderer, **window);
   if (!drawing) return drawing.error();
   SessionOptions session_options = options.session;
+  if (!session_options.draw_costs)
+    if (const Result<DrawCosts> costs = draw_costs_here(*drawing->renderer, drawing->gl != nullptr ? "window" : "cpu"))
+      session_options.draw_costs = *costs;
   session_options.frame_bytes = drawing->renderer->frame_bytes((*window)->width_px(), (*window)->height_px());
   Result<Session> session = Session::open(source, *drawing->renderer, session_options);
   if (!session) return session.error();

@@ -1,0 +1,80 @@
+#pragma once
+// One selection under way: what the policies, a file each, have in common.
+
+#include <vector>
+
+#include "runtime/sight.h"
+
+namespace promenade {
+
+/// v_time before anything has been drawn: a million triangles in 100 ms, at weight 1/2.
+constexpr double kFirstMsPerCost = 2e-4;
+
+/// Lives as long as one select(). A policy fills out.front in any order, out.updates and the counts of what it did not
+/// take; select() does the rest.
+class Selecting {
+ public:
+  Selecting(const Model& on_model, const SelectView& on_view, std::span<const uint8_t> on_resident,
+            const SelectOptions& with, SelectState& remembered, Selection& into)
+      : model(on_model),
+        sight(on_model, on_view, with),
+        view(on_view),
+        vlod(uses_vlod(with.policy) ? on_view.vlod : nullptr),
+        options(with),
+        state(remembered),
+        out(into),
+        resident_(on_resident) {}
+
+  const NodeRecord& node(NodeId id) const { return model.tables.nodes[index_of(id)]; }
+  bool resident(NodeId id) const { return resident_[index_of(id)] != 0; }
+  bool visible(NodeId id) const { return classify(sight.frustum, node(id).box) != Overlap::outside; }
+  /// Within the bound in pixels, or only just beyond the line where it was drawn finer in the frame before.
+  bool fine_enough(NodeId id) const {
+    const SelectState::Node& kept = state.nodes[index_of(id)];
+    const bool was_finer = kept.refined != 0 && kept.refined + 1 == state.frame;
+    double bound = options.policy == Policy::feedback ? state.feedback_pixel_error : options.pixel_error;
+    if (was_finer) bound *= 1 - options.error_hysteresis;
+    return error_px(node(id), sight, options.error_kind) <= bound;
+  }
+  /// What the node's box may cover of the picture.
+  double pixels_of(NodeId id) const {
+    const NodeRecord& n = node(id);
+    return covered_pixels(n.box, double(n.box.distance(sight.eye)), sight.pixels_per_radian,
+                          double(view.camera.width_px) * view.camera.height_px);
+  }
+  DrawLoad load_of(NodeId id) const { return load_of_node(node(id), pixels_of(id)); }
+  /// What drawing the node is foretold to take.
+  double ms_of_node(NodeId id) const {
+    if (state.costs) return state.costs->estimate_ms(load_of(id));
+    const double ms_per_cost = state.ms_per_cost > 0 ? state.ms_per_cost : kFirstMsPerCost;
+    return ms_per_cost * node_cost(node(id), options.time);
+  }
+  /// Whether the vLOD, if there is one, has something of the node.
+  bool may_be_seen(NodeId id) const { return vlod == nullptr || vlod->leads_to_some(id); }
+  /// Tells the loader about the node: once a selection.
+  float price(NodeId id) {
+    const float priority = priority_of(model, id, sight, options);
+    out.updates.push_back({id, priority});
+    return priority;
+  }
+
+  const Model& model;
+  const Sight sight;
+  const SelectView& view;
+  const VlodMarks* const vlod;  ///< null: everything may be seen
+  const SelectOptions& options;
+  SelectState& state;
+  Selection& out;
+
+ private:
+  std::span<const uint8_t> resident_;
+};
+
+/// Policies none, static, feedback, front and vlod.
+void select_by_error(Selecting& selecting);
+/// Policies time_slices, lakhia and vlod_time_slices.
+void select_by_time(Selecting& selecting);
+/// Policy cost_benefit.
+void select_by_benefit(Selecting& selecting);
+
+}  // namespace promenade
