@@ -4,7 +4,6 @@
 #include <array>
 
 #include "codec/id_set_delimiter.h"
-#include "codec/id_set_huffman.h"
 #include "codec/id_set_rivals.h"
 
 namespace promenade {

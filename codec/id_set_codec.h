@@ -1,6 +1,6 @@
 #pragma once
 // Ways to store a set of ids, one interface for all: bytes from ids and back. FORMAT.md has the bytes of each. What a
-// model stores is written by id_set_store.h; these are measured against it (`promenade study codecs`).
+// model stores is written by id_set_block.h; these are measured against it (`promenade study codecs`).
 
 #include <cstddef>
 #include <cstdint>

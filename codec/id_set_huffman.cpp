@@ -1,5 +1,3 @@
-#include "codec/id_set_huffman.h"
-
 #include <fmt/format.h>
 
 #include <bit>
@@ -8,6 +6,7 @@
 #include "codec/bit_io.h"
 #include "codec/id_runs.h"
 #include "codec/id_set_delimiter.h"
+#include "codec/id_set_rivals.h"
 
 namespace promenade {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
-// What others store sets of integers in. See IdSetCodec for all of them; FORMAT.md has the bytes.
+// What others store sets of integers in, [chhugani2003] among them. See IdSetCodec for all of them; FORMAT.md has the
+// bytes.
 
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,15 @@ Result<size_t> decode_rice(std::span<const std::byte> bytes, uint32_t universe, 
 /// 2013.
 void encode_elias_fano(std::span<const uint32_t> ids, uint32_t universe, std::vector<std::byte>& bytes);
 Result<size_t> decode_elias_fano(std::span<const std::byte> bytes, uint32_t universe, std::span<uint32_t> into);
+
+/// (gap, run) by adaptive Huffman codes of their lengths in bits: what [chhugani2003] section 2.4 uses for large sets.
+void encode_huffman(std::span<const uint32_t> ids, uint32_t universe, std::vector<std::byte>& bytes);
+Result<size_t> decode_huffman(std::span<const std::byte> bytes, uint32_t universe, std::span<uint32_t> into);
+
+/// The delimiter code on runs for small sets and adaptive Huffman for large ones, told apart by the first byte: the
+/// paper's choice. The shorter of the two is taken.
+void encode_paper(std::span<const uint32_t> ids, uint32_t universe, std::vector<std::byte>& bytes);
+Result<size_t> decode_paper(std::span<const std::byte> bytes, uint32_t universe, std::span<uint32_t> into);
 
 /// CRoaring's portable format with runs. Decoding allocates.
 void encode_roaring(std::span<const uint32_t> ids, uint32_t universe, std::vector<std::byte>& bytes);

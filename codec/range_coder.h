@@ -14,13 +14,19 @@ class BitModel {
  public:
   static constexpr unsigned kBits = 12;
   /// In 1 / 4096, 1 to 4095.
-  uint32_t zero() const { return probability_ >> (16 - kBits); }
-  void update(uint32_t bit) {
+  [[gnu::always_inline]] uint32_t zero() const { return probability_ >> (16 - kBits); }
+  [[gnu::always_inline]] void update(uint32_t bit) {
     const unsigned rate = kRates[seen_];
     if (bit == 0)
       probability_ = static_cast<uint16_t>(probability_ + ((0x10000U - probability_) >> rate));
     else
       probability_ = static_cast<uint16_t>(probability_ - (probability_ >> rate));
+    if (seen_ + 1U < kRates.size()) ++seen_;
+  }
+  [[gnu::always_inline]] void update_value(uint32_t bit) {
+    const unsigned rate = kRates[seen_];
+    const uint32_t mask = 0U - bit, up = (0x10000U - probability_) >> rate, down = probability_ >> rate;
+    probability_ = static_cast<uint16_t>(probability_ + (up & ~mask) - (down & mask));
     if (seen_ + 1U < kRates.size()) ++seen_;
   }
 
@@ -95,7 +101,7 @@ class RangeDecoder {
     get_word();
   }
 
-  uint32_t get(BitModel& model) {
+  [[gnu::always_inline]] uint32_t get(BitModel& model) {
     const uint64_t bound = (range_ >> BitModel::kBits) * model.zero();
     const uint32_t bit = code_ >= bound ? 1 : 0;
     if (bit == 0) {
@@ -112,13 +118,28 @@ class RangeDecoder {
     return bit;
   }
 
+  /// The same without a branch on the decision: for those that nothing but a value depends on.
+  [[gnu::always_inline]] uint32_t get_value(BitModel& model) {
+    const uint64_t bound = (range_ >> BitModel::kBits) * model.zero();
+    const uint32_t bit = code_ >= bound ? 1 : 0;
+    const uint64_t mask = uint64_t(0) - bit;
+    code_ -= bound & mask;
+    range_ = bound + ((range_ - 2 * bound) & mask);
+    model.update_value(bit);
+    if (range_ < RangeEncoder::kLeastRange) {
+      get_word();
+      range_ <<= RangeEncoder::kWordBits;
+    }
+    return bit;
+  }
+
   /// Whether more was read than the bytes and as many zeros again as an encoder may have left out.
   bool overrun() const { return missing_ > kMostMissing; }
 
  private:
   static constexpr uint64_t kMostMissing = uint64_t(1) << 16;  // an encoder that leaves out more had nothing to tell
 
-  void get_word() {
+  [[gnu::always_inline]] void get_word() {
     uint32_t word = 0;
     if (end_ - at_ >= 4) {
       for (int i = 0; i < 4; ++i) word = word << 8 | std::to_integer<uint32_t>(*at_++);

@@ -5,20 +5,14 @@
 #include <array>
 #include <string_view>
 
-#include "codec/byte_io.h"
-#include "codec/frame.h"
 #include "codec/id_set_block.h"
+#include "layout/section_list.h"
 
 namespace promenade {
 namespace {
 
 constexpr std::string_view kMagic = "PROMCELL";
-constexpr uint64_t kAlignment = 8;
 
-struct SectionKind {
-  const char* name;
-  uint32_t entry_bytes;
-};
 constexpr std::array<SectionKind, 7> kSections = {{{"tree", 16},
                                                    {"cells", 32},
                                                    {"faces", 20},
@@ -27,8 +21,7 @@ constexpr std::array<SectionKind, 7> kSections = {{{"tree", 16},
                                                    {"vlod_nodes", 4},
                                                    {"vlod_blocks", 24}}};
 constexpr uint64_t kListOffset = 80;
-constexpr uint64_t kEntryBytes = 32;
-static_assert(kListOffset + kSections.size() * kEntryBytes + sizeof(uint64_t) == kCellsHeaderBytes);
+static_assert(kListOffset + kSections.size() * SectionEntry::kBytes + sizeof(uint64_t) == kCellsHeaderBytes);
 
 void put(ByteWriter& w, const Box& box) {
   for (const glm::vec3& corner : {box.min, box.max})
@@ -78,28 +71,6 @@ void for_each_section(File& file, Visit visit) {
   visit(kSections[6], file.blocks);
 }
 
-/// A section as the header lists it.
-struct ListEntry {
-  uint32_t section = 0;
-  uint32_t entry_bytes = 0;
-  uint64_t count = 0;
-  uint64_t offset = 0;  ///< from the file's start
-  uint64_t checksum = 0;
-};
-
-void put(ByteWriter& w, const ListEntry& e) {
-  w.put(e.section), w.put(e.entry_bytes), w.put(e.count), w.put(e.offset), w.put(e.checksum);
-}
-
-ListEntry get_entry(ByteReader& r) {
-  ListEntry e;
-  e.section = r.get<uint32_t>(), e.entry_bytes = r.get<uint32_t>();
-  e.count = r.get<uint64_t>(), e.offset = r.get<uint64_t>(), e.checksum = r.get<uint64_t>();
-  return e;
-}
-
-uint64_t aligned(uint64_t offset) { return (offset + kAlignment - 1) / kAlignment * kAlignment; }
-
 Status check_header(std::span<const std::byte> header) {
   if (header.size() < kCellsHeaderBytes)
     return Error{fmt::format("header: {} bytes, {} are due", header.size(), kCellsHeaderBytes)};
@@ -115,26 +86,6 @@ Status check_header(std::span<const std::byte> header) {
   const uint64_t stored = ByteReader(header.subspan(kSumOffset)).get<uint64_t>();
   if (const uint64_t found = checksum(header.first(kSumOffset)); found != stored)
     return Error{fmt::format("header @{:#x}: checksum {:016x} != {:016x}", kSumOffset, found, stored)};
-  return Done{};
-}
-
-template <class Entry>
-Status read_section(std::span<const std::byte> sections, uint64_t begin, const ListEntry& entry, size_t number,
-                    uint64_t due, std::vector<Entry>& table) {
-  const SectionKind& kind = kSections[number];
-  if (entry.section != number + 1 || entry.entry_bytes != kind.entry_bytes || entry.offset != due)
-    return Error{fmt::format("{} @{:#x}: section {} with entries of {} bytes, not {}, {}, @{:#x}", kind.name,
-                             entry.offset, entry.section, entry.entry_bytes, number + 1, kind.entry_bytes, due)};
-  const uint64_t at = entry.offset - begin;
-  if (at > sections.size() || entry.count > (sections.size() - at) / kind.entry_bytes)
-    return Error{fmt::format("{} @{:#x}: {} entries of {} bytes reach beyond the end @{:#x}", kind.name, entry.offset,
-                             entry.count, kind.entry_bytes, begin + sections.size())};
-  const std::span<const std::byte> bytes = sections.subspan(at, entry.count * kind.entry_bytes);
-  if (const uint64_t found = checksum(bytes); found != entry.checksum)
-    return Error{fmt::format("{} @{:#x}: checksum {:016x} != {:016x}", kind.name, entry.offset, found, entry.checksum)};
-  ByteReader reader(bytes);
-  table.resize(entry.count);
-  for (Entry& e : table) get(reader, e);
   return Done{};
 }
 
@@ -166,20 +117,16 @@ std::string find_vlod_defect(const CellsFile& file, uint64_t vlods_end) {
 }  // namespace
 
 EncodedCells encode_cells(const CellsFile& file, uint64_t sections_offset) {
-  ByteWriter header, sections;
+  ByteWriter header;
+  SectionWriter sections(sections_offset);
   for (const char c : kMagic) header.put(static_cast<uint8_t>(c));
   header.put(kCellsVersion), header.put(static_cast<uint32_t>(kSections.size()));
   header.put(file.owner.tables_checksum), header.put(file.owner.nodes), header.put(uint32_t(0));
   const FrontBound& bound = file.tables.bound;
   header.put(bound.pixel_error), header.put(bound.scale.focal_px), header.put(bound.scale.tan_corner);
   put(header, file.tables.box);
-  uint32_t number = 0;
   for_each_section(file, [&](const SectionKind& kind, const auto& table) {
-    while (sections.size() % kAlignment != 0) sections.put(uint8_t(0));
-    const size_t begin = sections.size();
-    for (const auto& entry : table) put(sections, entry);
-    put(header, ListEntry{++number, kind.entry_bytes, table.size(), sections_offset + begin,
-                          checksum(sections.bytes().subspan(begin))});
+    sections.add(header, kind, table, [](ByteWriter& w, const auto& entry) { put(w, entry); });
   });
   header.put(checksum(header.bytes()));
   return {header.take(), sections.take()};
@@ -188,8 +135,8 @@ EncodedCells encode_cells(const CellsFile& file, uint64_t sections_offset) {
 Result<uint64_t> sections_offset_of(std::span<const std::byte> header, uint64_t file_bytes) {
   PROMENADE_TRY(check_header(header));
   ByteReader reader(header.subspan(kListOffset));
-  const uint64_t offset = get_entry(reader).offset;
-  if (offset < kCellsHeaderBytes || offset % kAlignment != 0 || offset > file_bytes)
+  const uint64_t offset = get_section_entry(reader).offset;
+  if (offset < kCellsHeaderBytes || offset % kSectionAlignment != 0 || offset > file_bytes)
     return Error{fmt::format("header: sections @{:#x} of {:#x} bytes", offset, file_bytes)};
   return offset;
 }
@@ -210,17 +157,13 @@ Result<CellsFile> decode_cells(std::span<const std::byte> header, std::span<cons
   bound.scale.focal_px = reader.get<double>(), bound.scale.tan_corner = reader.get<double>();
   get(reader, file.tables.box);
   Status status = Done{};
-  size_t number = 0;
-  uint64_t end = *begin;
+  SectionReader reads(sections, *begin);
   for_each_section(file, [&](const SectionKind& kind, auto& table) {
-    const ListEntry entry = get_entry(reader);
-    if (!status) return;
-    status = read_section(sections, *begin, entry, number++, aligned(end), table);
-    if (status) end = entry.offset + entry.count * kind.entry_bytes;
+    const SectionEntry entry = get_section_entry(reader);
+    if (status) status = reads.read(entry, kind, table, [](ByteReader& r, auto& e) { get(r, e); });
   });
+  if (status) status = reads.finish();
   if (!status) return status.error();
-  if (end != file_bytes)
-    return Error{fmt::format("end @{:#x}: {} bytes follow the last section", end, file_bytes - end)};
   std::string defect = find_defect(file.tables);
   if (defect.empty()) defect = find_vlod_defect(file, *begin);
   if (!defect.empty()) return Error{defect};

@@ -9,7 +9,7 @@
 
 namespace promenade {
 
-constexpr uint32_t kCellsVersion = 1;
+constexpr uint32_t kCellsVersion = 2;
 constexpr uint64_t kCellsHeaderBytes = 312;
 
 /// What stands around the vLODs in cells.bin.

@@ -5,32 +5,21 @@
 #include <array>
 #include <string_view>
 
-#include "codec/byte_io.h"
-#include "codec/frame.h"
+#include "layout/section_list.h"
 
 namespace promenade {
 namespace {
 
 constexpr std::string_view kMagic = "PROMTABL";
 constexpr size_t kHeaderBytes = 16;
-constexpr size_t kEntryBytes = 32;  // of the list of sections
-constexpr size_t kAlignment = 8;
-
-enum class Section : uint32_t { nodes = 1, children, roots, materials, textures, node_textures, segments };
-
-struct SectionKind {
-  Section section;
-  std::string_view name;
-  uint32_t entry_bytes;
-};
-constexpr std::array<SectionKind, 7> kSections = {{{Section::nodes, "nodes", 104},
-                                                   {Section::children, "children", 4},
-                                                   {Section::roots, "roots", 4},
-                                                   {Section::materials, "materials", 16},
-                                                   {Section::textures, "textures", 16},
-                                                   {Section::node_textures, "node_textures", 4},
-                                                   {Section::segments, "segments", 24}}};
-constexpr size_t kListBytes = kHeaderBytes + kSections.size() * kEntryBytes;
+constexpr std::array<SectionKind, 7> kSections = {{{"nodes", 104},
+                                                   {"children", 4},
+                                                   {"roots", 4},
+                                                   {"materials", 16},
+                                                   {"textures", 16},
+                                                   {"node_textures", 4},
+                                                   {"segments", 24}}};
+constexpr size_t kListBytes = kHeaderBytes + kSections.size() * SectionEntry::kBytes;
 constexpr size_t kFirstSection = kListBytes + sizeof(uint64_t);  // after the checksum of header and list
 
 // ---- entries
@@ -113,25 +102,7 @@ void for_each_section(Tables& tables, Visit visit) {
   visit(kSections[6], tables.segments);
 }
 
-/// A section as the list at the front has it.
-struct ListEntry {
-  uint32_t section = 0;
-  uint32_t entry_bytes = 0;
-  uint64_t count = 0;
-  uint64_t offset = 0;
-  uint64_t checksum = 0;
-};
-
-void put(ByteWriter& w, const ListEntry& e) {
-  w.put(e.section), w.put(e.entry_bytes), w.put(e.count), w.put(e.offset), w.put(e.checksum);
-}
-
-void get(ByteReader& r, ListEntry& e) {
-  e.section = r.get<uint32_t>(), e.entry_bytes = r.get<uint32_t>();
-  e.count = r.get<uint64_t>(), e.offset = r.get<uint64_t>(), e.checksum = r.get<uint64_t>();
-}
-
-Result<std::vector<ListEntry>> read_list(std::span<const std::byte> bytes) {
+Result<std::vector<SectionEntry>> read_list(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   const std::span<const std::byte> magic = reader.get_bytes(kMagic.size());
   if (!reader.ok() || std::string_view(reinterpret_cast<const char*>(magic.data()), magic.size()) != kMagic)
@@ -141,8 +112,8 @@ Result<std::vector<ListEntry>> read_list(std::span<const std::byte> bytes) {
                              kTablesVersion)};
   if (const auto count = reader.get<uint32_t>(); count != kSections.size())
     return Error{fmt::format("header @0xc: {} sections, not {}", count, kSections.size())};
-  std::vector<ListEntry> list(kSections.size());
-  for (ListEntry& entry : list) get(reader, entry);
+  std::vector<SectionEntry> list(kSections.size());
+  for (SectionEntry& entry : list) entry = get_section_entry(reader);
   const auto stored = reader.get<uint64_t>();
   if (!reader.ok()) return Error{fmt::format("header: {} bytes, {} are due", bytes.size(), kFirstSection)};
   if (const uint64_t found = checksum(bytes.first(kListBytes)); found != stored)
@@ -150,64 +121,35 @@ Result<std::vector<ListEntry>> read_list(std::span<const std::byte> bytes) {
   return list;
 }
 
-/// Where the next section begins.
-uint64_t aligned(uint64_t offset) { return (offset + kAlignment - 1) / kAlignment * kAlignment; }
-
-template <class Entry>
-Status read_section(std::span<const std::byte> bytes, const ListEntry& entry, const SectionKind& kind, uint64_t due,
-                    std::vector<Entry>& table) {
-  if (entry.section != static_cast<uint32_t>(kind.section) || entry.entry_bytes != kind.entry_bytes ||
-      entry.offset != due)
-    return Error{fmt::format("{} @{:#x}: section {} with entries of {} bytes @{:#x}, not {}, {}, @{:#x}", kind.name,
-                             entry.offset, entry.section, entry.entry_bytes, entry.offset,
-                             static_cast<uint32_t>(kind.section), kind.entry_bytes, due)};
-  if (entry.offset > bytes.size() || entry.count > (bytes.size() - entry.offset) / kind.entry_bytes)
-    return Error{fmt::format("{} @{:#x}: {} entries of {} bytes reach beyond the end @{:#x}", kind.name, entry.offset,
-                             entry.count, kind.entry_bytes, bytes.size())};
-  const std::span<const std::byte> section = bytes.subspan(entry.offset, entry.count * kind.entry_bytes);
-  if (const uint64_t found = checksum(section); found != entry.checksum)
-    return Error{fmt::format("{} @{:#x}: checksum {:016x} != {:016x}", kind.name, entry.offset, found, entry.checksum)};
-  ByteReader reader(section);
-  table.resize(entry.count);
-  for (Entry& e : table) get(reader, e);
-  return Done{};
-}
-
 }  // namespace
 
 std::vector<std::byte> encode_tables(const ModelTables& tables) {
-  ByteWriter list, sections;
+  ByteWriter list;
+  SectionWriter sections(kFirstSection);
   for (const char c : kMagic) list.put(static_cast<uint8_t>(c));
   list.put(kTablesVersion);
   list.put(static_cast<uint32_t>(kSections.size()));
   for_each_section(tables, [&](const SectionKind& kind, const auto& table) {
-    while (sections.size() % kAlignment != 0) sections.put(uint8_t(0));
-    const size_t begin = sections.size();
-    for (const auto& entry : table) put(sections, entry);
-    put(list, ListEntry{static_cast<uint32_t>(kind.section), kind.entry_bytes, table.size(), kFirstSection + begin,
-                        checksum(sections.bytes().subspan(begin))});
+    sections.add(list, kind, table, [](ByteWriter& w, const auto& entry) { put(w, entry); });
   });
   list.put(checksum(list.bytes()));
-  list.put_bytes(sections.bytes());
+  list.put_bytes(sections.take());
   return list.take();
 }
 
 Result<ModelTables> decode_tables(std::span<const std::byte> bytes) {
-  const Result<std::vector<ListEntry>> list = read_list(bytes);
+  const Result<std::vector<SectionEntry>> list = read_list(bytes);
   if (!list) return list.error();
   ModelTables tables;
+  SectionReader sections(bytes.subspan(kFirstSection), kFirstSection);
   Status status = Done{};
   size_t next = 0;
-  uint64_t end = kFirstSection;
   for_each_section(tables, [&](const SectionKind& kind, auto& table) {
-    const ListEntry& entry = (*list)[next++];
-    if (!status) return;
-    status = read_section(bytes, entry, kind, aligned(end), table);
-    end = entry.offset + entry.count * kind.entry_bytes;
+    const SectionEntry& entry = (*list)[next++];
+    if (status) status = sections.read(entry, kind, table, [](ByteReader& r, auto& e) { get(r, e); });
   });
+  if (status) status = sections.finish();
   if (!status) return status.error();
-  if (end != bytes.size())
-    return Error{fmt::format("end @{:#x}: {} bytes follow the last section", end, bytes.size() - end)};
   return tables;
 }
 

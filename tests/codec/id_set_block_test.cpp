@@ -70,6 +70,8 @@ class SlowDecoder {
     return decision;
   }
 
+  bool is_leaf(uint32_t node) const { return forest_.subtree_end[node] == node + 1; }
+
   std::vector<uint32_t> held(uint32_t node) const {
     Ids ids;
     for (uint32_t id = node; id < forest_.subtree_end[node]; ++id)
@@ -81,11 +83,10 @@ class SlowDecoder {
     int before = 3;
     for (uint32_t node = begin; node < end; node = forest_.subtree_end[node]) {
       const std::string of_before = " before " + std::to_string(before);
-      const std::string leaf = forest_.subtree_end[node] == node + 1 ? " leaf" : "";
       const Ids there = held(node);
       if (!there.empty() && there[0] != node) {
         int bits = 0;
-        for (size_t n = there.size(); n > 0; n /= 2) ++bits;
+        for (uint32_t n = forest_.subtree_end[node] - node; n > 0; n /= 2) ++bits;
         if (decide("inside changed " + std::to_string(std::min(bits, 8)) + of_before) == 0) {
           set_.insert(there.begin(), there.end());
           before = 0;
@@ -99,10 +100,13 @@ class SlowDecoder {
         continue;
       }
       const std::string h = there.empty() ? " new" : " held";
-      if (decide("plain changed" + h + of_before + leaf) == 0) {
+      if (is_leaf(node)) {
+        before = static_cast<int>(decide("leaf changed" + h + of_before));
+        if (there.empty() == (before == 1)) set_.insert(node);
+      } else if (decide("plain changed" + h + of_before) == 0) {
         if (!there.empty()) set_.insert(node);
         before = 0;
-      } else if (leaf.empty() && decide("plain inside" + h + of_before) == 1) {
+      } else if (decide("plain inside" + h + of_before) == 1) {
         fresh_family(node + 1, forest_.subtree_end[node], h);
         before = 2;
       } else {
@@ -116,11 +120,13 @@ class SlowDecoder {
     int before = 3;
     for (uint32_t node = begin; node < end; node = forest_.subtree_end[node]) {
       const std::string of_before = " before " + std::to_string(before);
-      const std::string leaf = forest_.subtree_end[node] == node + 1 ? " leaf" : "";
-      if (decide("fresh not held" + h + of_before + leaf) == 0) {
+      if (is_leaf(node)) {
+        before = static_cast<int>(decide("fresh leaf held" + h + of_before));
+        if (before == 1) set_.insert(node);
+      } else if (decide("fresh not held" + h + of_before) == 0) {
         set_.insert(node);
         before = 1;
-      } else if (leaf.empty() && decide("fresh inside" + h + of_before) == 1) {
+      } else if (decide("fresh inside" + h + of_before) == 1) {
         fresh_family(node + 1, forest_.subtree_end[node], h);
         before = 2;
       } else {
@@ -262,7 +268,7 @@ TEST(IdSetBlock, gives_antichains_or_an_error_for_any_bytes) {
 TEST(IdSetBlock, keeps_its_bytes) {
   Random random(7);
   const IdForest forest = random_forest(random, 300);
-  expect_golden("id_set_block_v1.bin", encode_block(forest, random_block(forest, random, 24)));
+  expect_golden("id_set_block_v2.bin", encode_block(forest, random_block(forest, random, 24)));
 }
 
 TEST(IdForest, refuses_subtrees_that_overlap_or_leave) {

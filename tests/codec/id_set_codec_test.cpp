@@ -82,10 +82,14 @@ TEST_P(EveryIdSetCodec, refuses_more_ids_than_there_is_room_for) {
 }
 
 TEST_P(EveryIdSetCodec, refuses_ids_beyond_the_universe) {
-  if (GetParam().name == "elias-fano") GTEST_SKIP() << "the universe is a part of the code";
   const std::vector<std::byte> bytes = encoded(GetParam(), {7, 8, 500, 501}, 1000);
   Ids into(10);
-  EXPECT_FALSE(GetParam().decode(bytes, 501, into).ok());
+  // To Elias-Fano the universe is a part of the code: under a smaller one the bytes are some other set, or none.
+  if (GetParam().name != "elias-fano") {
+    EXPECT_FALSE(GetParam().decode(bytes, 501, into).ok());
+  }
+  for (uint32_t universe = 0; universe < 1000; ++universe)
+    ASSERT_NO_FATAL_FAILURE(expect_set_or_error(bytes, universe, 10));
 }
 
 TEST_P(EveryIdSetCodec, gives_a_set_or_an_error_for_every_truncation) {
@@ -103,8 +107,8 @@ TEST_P(EveryIdSetCodec, gives_a_set_or_an_error_for_any_bytes) {
     if (i % 2 == 0) bytes.resize(random() % 60);
     for (uint32_t k = i % 2 == 0 ? 60 : 1 + random() % 3; k > 0 && !bytes.empty(); --k)
       bytes[random() % bytes.size()] = static_cast<std::byte>(random());
-    ASSERT_NO_FATAL_FAILURE(expect_set_or_error(bytes, 70000, 300));
-    ASSERT_NO_FATAL_FAILURE(expect_set_or_error(bytes, 0xffffffffU, 300));
+    for (const uint32_t universe : {0U, 1U, 501U, 70000U, 0xffffffffU})
+      ASSERT_NO_FATAL_FAILURE(expect_set_or_error(bytes, universe, 300));
   }
 }
 
