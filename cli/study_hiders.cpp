@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <random>
 
 #include "cli/console.h"
 #include "cli/node_picture.h"
@@ -176,6 +177,20 @@ Json json_of(const std::vector<ChainRow>& rows, const CellStudy& study) {
           {"seen_nodes_mean", double(study.seen_nodes) / n}};
 }
 
+/// Random cells of the model's own, or of a place that has some.
+Result<std::vector<Box>> cells_of(const StudyArguments& arguments, const NodeMeshes& meshes) {
+  if (arguments.place != "cells") return study_cells(meshes, arguments.cells);
+  const CellsReader* stored = meshes.model().cells();
+  if (stored == nullptr || stored->tables().cells.empty())
+    return Error{fmt::format("{}: the model has no view cells: try another --place", arguments.model.string())};
+  std::mt19937_64 random(arguments.cells.seed);
+  std::vector<Box> cells;
+  cells.reserve(arguments.cells.cells);
+  for (uint32_t i = 0; i < arguments.cells.cells; ++i)
+    cells.push_back(stored->tables().cells[random() % stored->tables().cells.size()].box);
+  return cells;
+}
+
 Status run_study(StudyArguments arguments, JobMonitor& monitor, Json& figures) {
   arguments.cells.place = arguments.place == "roof" ? StudyPlace::roof : StudyPlace::street;
   const Result<ModelReader> reader = ModelReader::open(arguments.model);
@@ -184,7 +199,7 @@ Status run_study(StudyArguments arguments, JobMonitor& monitor, Json& figures) {
   if (!meshes) return meshes.error();
   Result<std::vector<ChainRow>> rows = make_chains(arguments, *reader, monitor);
   if (!rows) return rows.error();
-  const Result<std::vector<Box>> cells = study_cells(**meshes, arguments.cells);
+  const Result<std::vector<Box>> cells = cells_of(arguments, **meshes);
   if (!cells) return cells.error();
   CellStudy study(arguments, **meshes, *rows);
   for (size_t i = 0; i < cells->size(); ++i) {
@@ -219,8 +234,9 @@ Command add_study_hiders(CLI::App& study) {
   app->add_option("--side", arguments->cells.side_m, "Side of a cell, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app->add_option("--place", arguments->place, "street: on the ground, 2 m high; roof: cubes in the air")
-      ->check(CLI::IsMember({"street", "roof"}))
+  app->add_option("--place", arguments->place,
+                  "street: on the ground, 2 m high; roof: cubes in the air; cells: of the model's own")
+      ->check(CLI::IsMember({"street", "roof", "cells"}))
       ->capture_default_str();
   app->add_option("--views", arguments->looks.views, "Pictures of each cell that say what is seen")
       ->check(CLI::PositiveNumber)

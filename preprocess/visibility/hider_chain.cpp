@@ -7,6 +7,7 @@
 
 #include "preprocess/visibility/hiders/backface.h"
 #include "preprocess/visibility/hiders/horizon.h"
+#include "preprocess/visibility/hiders/portals.h"
 #include "preprocess/visibility/hiders/sampled.h"
 #include "preprocess/visibility/node_meshes.h"
 #include "preprocess/visibility/node_parts.h"
@@ -59,6 +60,17 @@ class ChainMaker {
       auto share = std::make_shared<Share>(Share{parts_, std::move(*occluders)});
       return owning(make_horizon_hider(model_.model(), *share->parts, share->occluders), share);
     }
+    if (name == "portals") {
+      PROMENADE_TRY(need_parts());
+      Result<Rooms> rooms = find_rooms(model_, RoomOptions(), monitor_);
+      if (!rooms) return rooms.error();
+      struct Share {
+        std::shared_ptr<NodeParts> parts;
+        Rooms rooms;
+      };
+      auto share = std::make_shared<Share>(Share{parts_, std::move(*rooms)});
+      return owning(make_portals_hider(model_.model(), *share->parts, share->rooms), share);
+    }
     if (name == "sampled") {
       PROMENADE_TRY(need_meshes());
       return owning(make_sampled_hider(*meshes_), meshes_);
@@ -91,7 +103,7 @@ class ChainMaker {
 
 }  // namespace
 
-std::string_view hider_names() { return "backface, horizon, sampled"; }
+std::string_view hider_names() { return "backface, horizon, portals, sampled"; }
 
 const std::vector<std::string>& default_hiders() {
   static const std::vector<std::string> names = {"backface", "horizon"};

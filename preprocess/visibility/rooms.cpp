@@ -1,0 +1,266 @@
+// Source: [funkhouser1993] section 3.2 divides buildings along their major axial walls and lists the portals between
+// cells from what the walls leave open.
+
+#include "preprocess/visibility/rooms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "preprocess/visibility/leaf_meshes.h"
+#include "preprocess/visibility/wall_mask.h"
+#include "preprocess/visibility/wall_planes.h"
+
+namespace promenade {
+namespace {
+
+/// Triangles whose corners all lie this near to a plane are in it. The rest of the slack is the mask's.
+constexpr float kInPlaneM = 0.0015F;
+constexpr float kFlat = 0.9F;
+constexpr size_t kMostOpenings = 24;  // of a face, one direction: more are united
+constexpr float kMarginM = 2;         // of air around the model
+
+enum Way : uint8_t { down = 0, up = 1 };
+
+class RoomFinder {
+ public:
+  RoomFinder(const ModelReader& reader, const RoomOptions& options, JobMonitor& monitor)
+      : reader_(reader), options_(options), monitor_(monitor), leaves_(leaves_of(reader.model())) {}
+
+  Result<Rooms> run() {
+    PROMENADE_TRY(divide());
+    PROMENADE_TRY(for_each_wall([this](size_t leaf, const std::vector<WallTriangle>& found) { meet(leaf, found); }));
+    list_walls();
+    make_masks();
+    PROMENADE_TRY(for_each_wall([this](size_t, const std::vector<WallTriangle>& found) { cover(found); }));
+    find_openings();
+    sort_rooms();
+    return std::move(rooms_);
+  }
+
+ private:
+  /// A triangle that lies in a face's plane and reaches into the face.
+  struct WallTriangle {
+    uint32_t face;
+    std::array<glm::dvec2, 3> corners;
+    bool closes_down, closes_up;  ///< to those who walk that way it shows its front
+  };
+  struct FaceWork {
+    std::vector<uint32_t> leaves;
+    std::array<std::optional<WallMask>, 2> masks;  ///< by way; none: all open
+    std::array<std::vector<Box>, 2> openings;
+    std::array<bool, 2> met{};
+  };
+
+  Status divide();
+  template <class Visit>
+  Status for_each_wall(const Visit& visit);
+  void find_walls(const Mesh& mesh, std::vector<WallTriangle>& found) const;
+  void add_walls(const std::array<glm::vec3, 3>& p, int axis, bool shows_up, bool two_sided,
+                 std::vector<WallTriangle>& found) const;
+  void meet(size_t leaf, const std::vector<WallTriangle>& found);
+  void list_walls();
+  void make_masks();
+  void cover(const std::vector<WallTriangle>& found);
+  void find_openings();
+  void sort_rooms();
+
+  std::mutex& lock_of(uint32_t face) { return locks_[face % locks_.size()]; }
+  Box rectangle(uint32_t face) const { return rectangle_of(rooms_.space, rooms_.space.faces[face]); }
+  static glm::dvec2 flat(const glm::vec3& p, int axis) { return {p[(axis + 1) % 3], p[(axis + 2) % 3]}; }
+
+  const ModelReader& reader_;
+  const RoomOptions& options_;
+  JobMonitor& monitor_;
+  std::vector<NodeId> leaves_;
+  Rooms rooms_;
+  std::vector<FaceWork> work_;        ///< by face
+  std::array<std::mutex, 64> locks_;  ///< of work_, by face
+};
+
+Status RoomFinder::divide() {
+  const Result<std::vector<AxialPatch>> patches = find_axial_patches(reader_, monitor_);
+  if (!patches) return patches.error();
+  Box box;
+  for (const NodeId root : reader_.model().tables.roots) box.add(reader_.model().tables.nodes[index_of(root)].box);
+  if (box.empty()) box.add(glm::vec3(0));
+  CellPlan plan(box.grown(kMarginM + box.diagonal() * 0.25F));
+  WallSplitOptions options;
+  options.least_cover = options_.least_cover;
+  for (const uint32_t leaf : split_along_walls(plan, CellPlan::kRoot, *patches, options))
+    plan.set_cell(leaf, plan.box_of(leaf));
+  std::vector<uint32_t> leaves;
+  rooms_.space = tables_of(plan, FrontBound(), leaves);
+  work_.resize(rooms_.space.faces.size());
+  return Done{};
+}
+
+template <class Visit>
+Status RoomFinder::for_each_wall(const Visit& visit) {
+  return for_each_mesh(reader_, leaves_, monitor_, [&](size_t i, const Mesh& mesh) {
+    std::vector<WallTriangle> found;
+    find_walls(mesh, found);
+    visit(i, found);
+  });
+}
+
+void RoomFinder::find_walls(const Mesh& mesh, std::vector<WallTriangle>& found) const {
+  const std::vector<Material>& materials = reader_.model().tables.materials;
+  for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const Material& material = materials[mesh.material_of(t)];
+    if (material.alpha != AlphaMode::opaque) continue;
+    std::array<glm::vec3, 3> p;
+    for (size_t k = 0; k < 3; ++k) p[k] = mesh.positions[mesh.indices[3 * t + k]];
+    const glm::vec3 cross = triangle_cross(mesh, t);
+    for (int axis = 0; axis < 3; ++axis) {
+      const float low = std::min({p[0][axis], p[1][axis], p[2][axis]});
+      const float high = std::max({p[0][axis], p[1][axis], p[2][axis]});
+      // The second test: a strip across the plane, narrower than the slack, is in it but closes nothing.
+      if (high - low > 2 * kInPlaneM || std::abs(cross[axis]) < kFlat * glm::length(cross) || cross[axis] == 0)
+        continue;
+      add_walls(p, axis, cross[axis] > 0, material.two_sided, found);
+    }
+  }
+}
+
+void RoomFinder::add_walls(const std::array<glm::vec3, 3>& p, int axis, bool shows_up, bool two_sided,
+                           std::vector<WallTriangle>& found) const {
+  Box around;
+  for (const glm::vec3& corner : p) around.add(corner);
+  const Box wide = around.grown(kInPlaneM);
+  for_each_room(rooms_, wide, [&](uint32_t room) {
+    for (const uint32_t face : rooms_.space.faces_of(CellId{room})) {
+      const CellFace& f = rooms_.space.faces[face];
+      if (static_cast<int>(f.axis) != axis || index_of(f.below) != room) continue;
+      const float at = rooms_.space.cells[room].box.max[axis];
+      if (around.min[axis] < at - kInPlaneM || around.max[axis] > at + kInPlaneM) continue;
+      if (!rectangle(face).overlaps(wide)) continue;
+      found.push_back({face,
+                       {flat(p[0], axis), flat(p[1], axis), flat(p[2], axis)},
+                       two_sided || shows_up,
+                       two_sided || !shows_up});
+    }
+  });
+}
+
+void RoomFinder::meet(size_t leaf, const std::vector<WallTriangle>& found) {
+  for (const WallTriangle& triangle : found) {
+    const std::lock_guard lock(lock_of(triangle.face));
+    FaceWork& face = work_[triangle.face];
+    face.met[Way::down] |= triangle.closes_down, face.met[Way::up] |= triangle.closes_up;
+    if (face.leaves.empty() || face.leaves.back() != leaf) face.leaves.push_back(static_cast<uint32_t>(leaf));
+  }
+}
+
+void RoomFinder::list_walls() {
+  rooms_.first_wall.reserve(work_.size() + 1);
+  rooms_.first_wall.push_back(0);
+  for (FaceWork& face : work_) {
+    std::sort(face.leaves.begin(), face.leaves.end());
+    face.leaves.erase(std::unique(face.leaves.begin(), face.leaves.end()), face.leaves.end());
+    for (const uint32_t leaf : face.leaves) rooms_.walls.push_back(leaves_[leaf]);
+    rooms_.first_wall.push_back(static_cast<uint32_t>(rooms_.walls.size()));
+  }
+}
+
+void RoomFinder::make_masks() {
+  const auto corners = [&](uint32_t face) {
+    const int axis = static_cast<int>(rooms_.space.faces[face].axis);
+    return std::pair(flat(rectangle(face).min, axis), flat(rectangle(face).max, axis));
+  };
+  double step_m = options_.step_m;
+  while (true) {
+    uint64_t points = 0;
+    for (uint32_t i = 0; i < work_.size(); ++i)
+      for (const bool met : work_[i].met)
+        if (met) points += WallMask::points_of(corners(i).first, corners(i).second, step_m);
+    if (points <= options_.most_samples || points <= 16 * work_.size()) break;
+    step_m *= 1.4;
+  }
+  for (uint32_t i = 0; i < work_.size(); ++i)
+    for (size_t way = 0; way < 2; ++way)
+      if (work_[i].met[way]) work_[i].masks[way].emplace(corners(i).first, corners(i).second, step_m);
+}
+
+void RoomFinder::cover(const std::vector<WallTriangle>& found) {
+  for (const WallTriangle& t : found) {
+    const std::lock_guard lock(lock_of(t.face));
+    std::array<std::optional<WallMask>, 2>& masks = work_[t.face].masks;
+    if (t.closes_down) masks[Way::down]->cover(t.corners[0], t.corners[1], t.corners[2]);
+    if (t.closes_up) masks[Way::up]->cover(t.corners[0], t.corners[1], t.corners[2]);
+  }
+}
+
+void RoomFinder::find_openings() {
+  tbb::parallel_for(size_t(0), work_.size(), [&](size_t i) {
+    const Box whole = rectangle(static_cast<uint32_t>(i));
+    const int axis = static_cast<int>(rooms_.space.faces[i].axis), u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (size_t way = 0; way < 2; ++way) {
+      std::vector<Box>& openings = work_[i].openings[way];
+      if (!work_[i].masks[way]) {
+        openings.push_back(whole.grown(Rooms::kSlackM));
+        continue;
+      }
+      for (const WallMask::Opening& open : work_[i].masks[way]->openings(kMostOpenings)) {
+        Box box = whole;
+        box.min[u] = static_cast<float>(open.low.x), box.max[u] = static_cast<float>(open.high.x);
+        box.min[v] = static_cast<float>(open.low.y), box.max[v] = static_cast<float>(open.high.y);
+        openings.push_back(box.grown(Rooms::kSlackM));
+      }
+      work_[i].masks[way].reset();
+    }
+  });
+  const size_t rooms = rooms_.space.cells.size();
+  rooms_.first_exit.reserve(6 * rooms + 1);
+  for (uint32_t room = 0; room < rooms; ++room)
+    for (uint32_t way = 0; way < 6; ++way) {
+      rooms_.first_exit.push_back(static_cast<uint32_t>(rooms_.exits.size()));
+      for (const uint32_t face : rooms_.space.faces_of(CellId{room})) {
+        const CellFace& f = rooms_.space.faces[face];
+        const bool upwards = index_of(f.below) == room;
+        if (2 * f.axis + (upwards ? 1 : 0) != way) continue;
+        const std::vector<Box>& openings = work_[face].openings[upwards ? Way::up : Way::down];
+        if (work_[face].met[upwards ? Way::up : Way::down]) {
+          const glm::dvec2 size = flat(rectangle(face).size(), static_cast<int>(f.axis));
+          double open_m2 = 0;
+          for (const Box& box : openings) {
+            const glm::dvec2 part = flat(box.size(), static_cast<int>(f.axis));
+            open_m2 += part.x * part.y;
+          }
+          rooms_.open_m2 += open_m2, rooms_.closed_m2 += std::max(0.0, size.x * size.y - open_m2);
+        }
+        if (openings.empty()) continue;
+        rooms_.exits.push_back({index_of(f.other(CellId{room})), face, static_cast<uint32_t>(rooms_.openings.size()),
+                                static_cast<uint32_t>(openings.size())});
+        rooms_.openings.insert(rooms_.openings.end(), openings.begin(), openings.end());
+      }
+    }
+  rooms_.first_exit.push_back(static_cast<uint32_t>(rooms_.exits.size()));
+}
+
+void RoomFinder::sort_rooms() {
+  for (uint32_t octant = 0; octant < 8; ++octant) {
+    std::vector<uint32_t>& order = rooms_.order[octant];
+    order.reserve(rooms_.space.cells.size());
+    std::vector<uint32_t> open = {0};
+    while (!open.empty()) {
+      const CellTreeNode& node = rooms_.space.tree[open.back()];
+      open.pop_back();
+      if (node.axis == CellTreeNode::kLeaf) {
+        if (node.below != index_of(kNoCell)) order.push_back(node.below);
+        continue;
+      }
+      const bool walks_down = (octant >> node.axis & 1U) != 0;
+      open.push_back(walks_down ? node.below : node.above);
+      open.push_back(walks_down ? node.above : node.below);
+    }
+  }
+}
+
+}  // namespace
+
+Result<Rooms> find_rooms(const ModelReader& reader, const RoomOptions& options, JobMonitor& monitor) {
+  return RoomFinder(reader, options, monitor).run();
+}
+
+}  // namespace promenade
