@@ -13,6 +13,7 @@
 
 #include "layout/file_io.h"
 #include "raster/visibility.h"
+#include "runtime/user_files.h"
 
 namespace promenade {
 namespace {
@@ -112,16 +113,7 @@ Result<double> least_frame_ms(Renderer& renderer, std::span<const DrawItem> item
 
 }  // namespace
 
-std::filesystem::path calibration_file() {
-  const auto absolute = [](const char* name) {
-    const char* value = std::getenv(name);
-    const std::filesystem::path path = value == nullptr ? "" : value;
-    return path.is_absolute() ? path : std::filesystem::path();  // as the XDG specification asks
-  };
-  std::filesystem::path cache = absolute("XDG_CACHE_HOME");
-  if (cache.empty() && !absolute("HOME").empty()) cache = absolute("HOME") / ".cache";
-  return cache.empty() ? cache : cache / "promenade" / "renderer.json";
-}
+std::filesystem::path calibration_file() { return user_file("XDG_CACHE_HOME", ".cache", "renderer.json"); }
 
 std::string calibration_machine(const std::string& gl) {
   constexpr const char* kWidths[] = {"best", "portable", "avx2", "avx512"};

@@ -256,6 +256,13 @@ Result<double> Session::redraw() {
   return ms_since(drawing);
 }
 
+Status Session::draw_from(const Camera& camera) {
+  const Camera own = state_->view.camera;
+  PROMENADE_TRY(state_->draw(camera));
+  state_->view.camera = own;
+  return Done{};
+}
+
 void Session::run_loader(double ms) {
   State& s = *state_;
   if (s.thread) {
@@ -330,6 +337,13 @@ std::vector<std::string> Session::failures() const {
   std::vector<std::string> failures = state_->set->failures();
   for (std::string& failure : state_->vlods.failures()) failures.push_back(std::move(failure));
   return failures;
+}
+std::vector<NodeId> Session::resident_nodes() const {
+  std::vector<NodeId> nodes;
+  const std::span<const uint8_t> resident = state_->set->resident();
+  for (uint32_t i = 0; i < resident.size(); ++i)
+    if (resident[i] != 0) nodes.push_back(NodeId{i});
+  return nodes;
 }
 uint64_t Session::resident_bytes() const { return state_->set->memory().total(); }
 uint64_t Session::resident_bytes_peak() const { return state_->set->memory_peak_bytes(); }

@@ -91,6 +91,8 @@ class Session {
   /// Draws the last frame once more, as it was; returns the milliseconds. What two times for one picture differ by is
   /// the machine's noise: no estimate can be better.
   Result<double> redraw();
+  /// Draws the nodes of the last frame as another camera sees them: what is there, and what is left out.
+  Status draw_from(const Camera& camera);
 
   /// Time of a frame that draws the roots alone: [lakhia2004]'s fixed overhead and the shading of a picture. Draws a
   /// few.
@@ -101,6 +103,8 @@ class Session {
   LoaderCounts loader_counts() const;
   /// Messages of the first few segments that could not be read, decoded or uploaded.
   std::vector<std::string> failures() const;
+  /// Nodes that may be drawn now.
+  std::vector<NodeId> resident_nodes() const;
   uint64_t resident_bytes() const;
   uint64_t resident_bytes_peak() const;
   SelectOptions& select_options();  ///< may be changed between frames

@@ -8,6 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <utility>
 
 #include "codec/image_codec.h"
 #include "geometry/path.h"
@@ -17,6 +20,11 @@
 #include "runtime/gl_window.h"
 #include "runtime/motion.h"
 #include "runtime/panels.h"
+#include "runtime/self_motion.h"
+#include "runtime/surroundings.h"
+#include "runtime/viewer_panel.h"
+#include "runtime/viewer_settings.h"
+#include "runtime/walk.h"
 
 namespace promenade {
 namespace {
@@ -26,11 +34,17 @@ using Clock = std::chrono::steady_clock;
 
 /// Time between two keys of a recorded path: linear between them, so that hand movements stay visible.
 constexpr double kRecordEveryS = 0.1;
-constexpr size_t kPlotFrames = 120;
 /// A frame of more than this moves the eye no further: after a pause (a debugger, a suspended laptop) it does not leap.
 constexpr double kLongestStepS = 0.25;
 /// Part of the model's size that the first speed crosses in a second.
 constexpr double kFirstSpeed = 0.05;
+constexpr double kWalkSpeed = 1.4;  // m/s
+/// A click takes the eye to this before what was clicked on.
+constexpr double kBeforeM = 2;
+constexpr double kFirstBirdM = 120, kBirdStep = 1.2;
+constexpr int kBookmarks = 9;
+/// What a walker's surroundings may take of the memory bound.
+uint64_t surroundings_bytes(uint64_t memory_bytes) { return std::min(uint64_t(32) << 20, memory_bytes / 8); }
 
 /// NAME-0001.ENDING, the first that is free.
 fs::path free_name(const fs::path& folder, const std::string& name, const std::string& ending) {
@@ -75,40 +89,63 @@ Result<WindowRenderer> make_renderer(RendererKind kind, GlWindow& window) {
 class Viewer {
  public:
   Viewer(const ModelSource& source, const ViewerOptions& options, GlWindow& window, const WindowRenderer& drawing,
-         Session& session)
-      : options_(options), window_(window), drawing_(drawing), session_(session), panels_(window) {
+         Session& session, ViewerSettings settings)
+      : source_(source),
+        options_(options),
+        window_(window),
+        drawing_(drawing),
+        session_(session),
+        settings_(std::move(settings)),
+        panels_(window),
+        surroundings_(source, surroundings_bytes(options.session.loader.memory_bytes)) {
     const DBox box = box_of(source.model());
     camera_.vertical_fov_deg = options.vertical_fov_deg;
     camera_.near_m = options.near_m;
-    camera_.pose = options.start.value_or(overview_of(box, options.vertical_fov_deg));
-    speed_m_per_s_ = std::max(1.4, box.empty() ? 1.4 : box.diagonal() * kFirstSpeed);
+    home_ = camera_.pose = options.start.value_or(overview_of(box, options.vertical_fov_deg));
+    speed_m_per_s_ =
+        settings_.speed_m_per_s.value_or(std::max(kWalkSpeed, box.empty() ? kWalkSpeed : box.diagonal() * kFirstSpeed));
+    on_foot_ = settings_.on_foot.value_or(false), panel_ = settings_.panel.value_or(true);
   }
 
   Result<ViewerReport> run();
 
  private:
+  void read_mouse(Motion& motion);
   void read_keys(double dt_s);
+  void read_bookmark_keys();
+  void move(const Motion& motion, double dt_s);
+  void go_to_click();
   bool pressed(int key);
   void record(double t_s);
+  Status draw(const FrameRow& row);
   Status present();
   Status screenshot();
   Status stop_recording();
+  void write_files(double now_s);
   void draw_panel(const FrameRow& row);
-  void draw_settings();
+  void keep_settings();
 
+  const ModelSource& source_;
   const ViewerOptions& options_;
   GlWindow& window_;
   const WindowRenderer& drawing_;
   Session& session_;
+  ViewerSettings settings_;
   Panels panels_;
+  Surroundings surroundings_;
+  WalkState walk_;
+  SelfMotion by_itself_;
   Camera camera_;
-  double speed_m_per_s_ = 1.4;
+  Pose home_;
+  double speed_m_per_s_ = kWalkSpeed;
   std::optional<std::pair<double, double>> mouse_;  ///< where a drag was last
   std::array<bool, GLFW_KEY_LAST + 1> was_down_{};
-  bool panel_ = true;
+  bool panel_ = true, on_foot_ = false, bird_ = false;
+  double bird_m_ = kFirstBirdM;  ///< how high the bird is
+  BoxColors boxes_ = BoxColors::none;
   bool recording_ = false;
-  CameraPath path_;
-  std::array<float, kPlotFrames> frame_ms_{};
+  CameraPath path_, recorded_;  ///< being recorded; the last that was
+  FramePlots plots_;
   std::string message_;
   ViewerReport report_;
 };
@@ -122,35 +159,119 @@ bool Viewer::pressed(int key) {
   return now;
 }
 
-void Viewer::read_keys(double dt_s) {
+void Viewer::read_mouse(Motion& motion) {
   GLFWwindow* handle = window_.handle();
   const ImGuiIO& io = ImGui::GetIO();
-  Motion motion;
-  if (!io.WantCaptureKeyboard) {
-    const auto down = [handle](int a, int b) {
-      return glfwGetKey(handle, a) == GLFW_PRESS || glfwGetKey(handle, b) == GLFW_PRESS ? 1.0 : 0.0;
-    };
-    motion.forward = down(GLFW_KEY_W, GLFW_KEY_UP) - down(GLFW_KEY_S, GLFW_KEY_DOWN);
-    motion.right = down(GLFW_KEY_D, GLFW_KEY_RIGHT) - down(GLFW_KEY_A, GLFW_KEY_LEFT);
-    motion.up = down(GLFW_KEY_SPACE, GLFW_KEY_PAGE_UP) - down(GLFW_KEY_C, GLFW_KEY_PAGE_DOWN);
-    motion.roll = down(GLFW_KEY_E, GLFW_KEY_E) - down(GLFW_KEY_Q, GLFW_KEY_Q);
-  }
-  if (!io.WantCaptureMouse && glfwGetMouseButton(handle, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS) {
-    double x = 0, y = 0;
-    glfwGetCursorPos(handle, &x, &y);
-    if (mouse_) {
-      motion.look_right_px = x - mouse_->first;
-      motion.look_down_px = y - mouse_->second;
-    }
-    mouse_ = {x, y};
-  } else {
+  if (io.WantCaptureMouse) {
     mouse_.reset();
+    return;
   }
-  if (!io.WantCaptureMouse) speed_m_per_s_ = changed_speed(speed_m_per_s_, double(io.MouseWheel));
-  camera_.pose = moved(camera_.pose, motion, speed_m_per_s_, dt_s);
+  if (bird_)
+    bird_m_ = std::clamp(bird_m_ * std::pow(kBirdStep, -double(io.MouseWheel)), 5.0, 1e5);
+  else
+    speed_m_per_s_ = changed_speed(speed_m_per_s_, double(io.MouseWheel));
+  if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) go_to_click();
+  if (glfwGetMouseButton(handle, GLFW_MOUSE_BUTTON_LEFT) != GLFW_PRESS) {
+    mouse_.reset();
+    return;
+  }
+  double x = 0, y = 0;
+  glfwGetCursorPos(handle, &x, &y);
+  if (mouse_) motion.look_right_px = x - mouse_->first, motion.look_down_px = y - mouse_->second;
+  mouse_ = {x, y};
+}
+
+void Viewer::read_keys(double dt_s) {
+  GLFWwindow* handle = window_.handle();
+  Motion motion;
+  read_mouse(motion);
+  if (ImGui::GetIO().WantCaptureKeyboard) return move(motion, dt_s);
+  const auto down = [handle](int a, int b) {
+    return glfwGetKey(handle, a) == GLFW_PRESS || glfwGetKey(handle, b) == GLFW_PRESS ? 1.0 : 0.0;
+  };
+  motion.forward = down(GLFW_KEY_W, GLFW_KEY_UP) - down(GLFW_KEY_S, GLFW_KEY_DOWN);
+  motion.right = down(GLFW_KEY_D, GLFW_KEY_RIGHT) - down(GLFW_KEY_A, GLFW_KEY_LEFT);
+  motion.up = down(GLFW_KEY_SPACE, GLFW_KEY_PAGE_UP) - down(GLFW_KEY_C, GLFW_KEY_PAGE_DOWN);
+  motion.roll = down(GLFW_KEY_E, GLFW_KEY_E) - down(GLFW_KEY_Q, GLFW_KEY_Q);
+  move(motion, dt_s);
   if (pressed(GLFW_KEY_F)) camera_.pose.roll_deg = 0;
+  if (pressed(GLFW_KEY_G)) {
+    on_foot_ = !on_foot_;
+    walk_ = {};
+    if (on_foot_) camera_.pose.roll_deg = 0, speed_m_per_s_ = kWalkSpeed;
+  }
+  if (pressed(GLFW_KEY_B)) bird_ = !bird_;
+  if (pressed(GLFW_KEY_V)) boxes_ = static_cast<BoxColors>((static_cast<int>(boxes_) + 1) % 5);
   if (pressed(GLFW_KEY_H)) panel_ = !panel_;
+  if (pressed(GLFW_KEY_HOME)) by_itself_.glide(camera_.pose, home_);
+  if (pressed(GLFW_KEY_L)) {
+    if (by_itself_.replaying())
+      by_itself_.stop();
+    else if (!recorded_.keys.empty())
+      by_itself_.replay(recorded_);
+    else
+      message_ = "no path to replay: record one with R, or start with --path";
+  }
+  read_bookmark_keys();
   if (pressed(GLFW_KEY_ESCAPE)) glfwSetWindowShouldClose(handle, GLFW_TRUE);
+}
+
+/// A digit goes to a bookmark, with Control it sets one.
+void Viewer::read_bookmark_keys() {
+  const bool set = glfwGetKey(window_.handle(), GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
+                   glfwGetKey(window_.handle(), GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS;
+  for (int number = 1; number <= kBookmarks; ++number) {
+    if (!pressed(GLFW_KEY_0 + number)) continue;
+    if (set) {
+      settings_.bookmarks[number] = camera_.pose;
+      message_ = fmt::format("bookmark {} set", number);
+      keep_settings();
+    } else if (const auto found = settings_.bookmarks.find(number); found != settings_.bookmarks.end()) {
+      by_itself_.glide(camera_.pose, found->second);
+    } else {
+      message_ = fmt::format("no bookmark {}: Control + {} sets it", number, number);
+    }
+  }
+}
+
+void Viewer::move(const Motion& motion, double dt_s) {
+  const bool wanted = motion.forward != 0 || motion.right != 0 || motion.up != 0 || motion.roll != 0 ||
+                      motion.look_right_px != 0 || motion.look_down_px != 0;
+  if (wanted) by_itself_.stop();  // whoever takes the wheel drives
+  if (const std::optional<Pose> pose = by_itself_.next(dt_s)) {
+    camera_.pose = *pose;
+    walk_ = {};
+    return;
+  }
+  if (!on_foot_) {
+    camera_.pose = moved(camera_.pose, motion, speed_m_per_s_, dt_s);
+    return;
+  }
+  const glm::dvec3 origin = source_.model().manifest.origin;
+  surroundings_.move_to(camera_.pose.eye - origin);
+  const std::shared_ptr<const ClosestPointTree> surface = surroundings_.surface();
+  static const ClosestPointTree nothing({}, {});
+  camera_.pose = walked(camera_.pose, motion, speed_m_per_s_, dt_s, surface ? *surface : nothing, origin, {}, walk_);
+}
+
+/// To before what was clicked on; on foot, onto it.
+void Viewer::go_to_click() {
+  if (bird_) return;
+  const ImVec2 at = ImGui::GetIO().MousePos, size = ImGui::GetIO().DisplaySize;
+  const double x_px = double(at.x) / double(size.x) * camera_.width_px,
+               y_px = double(at.y) / double(size.y) * camera_.height_px;
+  if (!(x_px >= 0 && y_px >= 0 && x_px < camera_.width_px && y_px < camera_.height_px)) return;
+  const Result<std::vector<float>> depths = drawing_.renderer->read_depth();
+  if (!depths) return;
+  const float depth_m = (*depths)[static_cast<size_t>(y_px) * camera_.width_px + static_cast<size_t>(x_px)];
+  if (!std::isfinite(depth_m)) return;
+  const RasterView view = perspective_view(camera_, glm::dvec3(0));
+  const glm::dvec3 way = ray_direction(view, x_px, y_px) * double(depth_m);
+  const double distance_m = glm::length(way);
+  Pose target = camera_.pose;
+  target.eye += way * (std::max(distance_m / 2, distance_m - kBeforeM) / distance_m);
+  if (on_foot_) target.eye.z = camera_.pose.eye.z + way.z + WalkOptions().eye_height_m;
+  by_itself_.glide(camera_.pose, target);
 }
 
 void Viewer::record(double t_s) {
@@ -164,11 +285,22 @@ Status Viewer::stop_recording() {
   if (path_.keys.empty()) return Done{};
   const double begin_s = path_.keys.front().t_s;
   for (CameraPath::Key& key : path_.keys) key.t_s -= begin_s;
+  recorded_ = std::exchange(path_, CameraPath());
   const fs::path name = free_name(options_.folder, "path", "json");
-  PROMENADE_TRY(write_file(name, to_json(path_)));
+  PROMENADE_TRY(write_file(name, to_json(recorded_)));
   message_ = "wrote " + name.string();
   report_.paths.push_back(name);
-  path_.keys.clear();
+  return Done{};
+}
+
+/// The picture of the frame, or the bird's of it, with what is drawn over it.
+Status Viewer::draw(const FrameRow& row) {
+  const Camera shown = bird_ ? birds_eye(camera_, bird_m_) : camera_;
+  if (bird_) PROMENADE_TRY(session_.draw_from(shown));
+  PROMENADE_TRY(present());
+  if (bird_ || boxes_ != BoxColors::none)
+    draw_overlay(perspective_view(shown, source_.model().manifest.origin), source_, session_, boxes_,
+                 bird_ ? &camera_ : nullptr, row.cell);
   return Done{};
 }
 
@@ -195,79 +327,60 @@ Status Viewer::screenshot() {
   return Done{};
 }
 
-void Viewer::draw_settings() {
-  SelectOptions& select = session_.select_options();
-  if (ImGui::BeginCombo("policy", std::string(name_of(select.policy)).c_str())) {
-    for (const Policy policy : all_policies())
-      if (ImGui::Selectable(std::string(name_of(policy)).c_str(), policy == select.policy)) select.policy = policy;
-    ImGui::EndCombo();
+/// A picture or path that cannot be written ends nothing: the panel says why.
+void Viewer::write_files(double now_s) {
+  if (pressed(GLFW_KEY_P))
+    if (const Status status = screenshot(); !status) message_ = status.error().message;
+  if (pressed(GLFW_KEY_R)) {
+    if (!recording_)
+      recording_ = true;
+    else if (const Status status = stop_recording(); !status)
+      message_ = status.error().message;
   }
-  float pixel_error = static_cast<float>(select.pixel_error), target_ms = static_cast<float>(select.time.target_ms);
-  if (ImGui::SliderFloat("pixel error", &pixel_error, 0.25F, 16, "%.2f", ImGuiSliderFlags_Logarithmic))
-    select.pixel_error = double(pixel_error);
-  if (ImGui::SliderFloat("target ms", &target_ms, 5, 200, "%.0f", ImGuiSliderFlags_Logarithmic))
-    select.time.target_ms = double(target_ms);
-  const auto slide = [](const char* label, double& value, float least, float most) {
-    float shown = static_cast<float>(value);
-    if (ImGui::SliderFloat(label, &shown, least, most, "%.2f")) value = double(shown);
-  };
-  slide("error hysteresis", select.error_hysteresis, 0, 0.5F);
-  if (select.policy == Policy::cost_benefit && ImGui::CollapsingHeader("worth of drawing")) {
-    slide("half error px", select.benefit.half_error_px, 0.5F, 32);
-    slide("focus", select.benefit.focus_weight, 0, 1);
-    slide("motion", select.benefit.motion_weight, 0, 1);
-    slide("hysteresis", select.benefit.hysteresis_weight, 0, 1);
-  }
-  if (uses_time(select.policy) && ImGui::CollapsingHeader("time slices")) {
-    ImGui::Checkbox("hysteresis", &select.time.hysteresis);
-    slide("switch", select.time.hysteresis_switch, 1, 50);
-    slide("limit", select.time.hysteresis_limit, 1, 150);
-    slide("visibility", select.time.visibility_weight, 0, 4);
-    slide("foreshortening", select.time.foreshortening_weight, 0, 1);
-    ImGui::Checkbox("refine when all children are there", &select.time.all_children_resident);
-    ImGui::Checkbox("share follows time", &select.time.share_feedback);
-  }
-  int fade_frames = static_cast<int>(session_.fade_frames());
-  if (ImGui::SliderInt("fade frames", &fade_frames, 0, 60)) session_.fade_frames() = static_cast<uint32_t>(fade_frames);
-  ImGui::Checkbox("textures", &session_.frame_view().textures);
+  record(now_s);
+}
+
+void Viewer::keep_settings() {
+  const SelectOptions& select = session_.select_options();
+  settings_.speed_m_per_s = speed_m_per_s_, settings_.on_foot = on_foot_, settings_.panel = panel_;
+  settings_.textures = session_.frame_view().textures;
+  settings_.policy = std::string(name_of(select.policy));
+  settings_.pixel_error = select.pixel_error, settings_.target_ms = select.time.target_ms;
+  if (options_.settings_file.empty()) return;
+  const Status status = write_viewer_settings(settings_, options_.settings_file, options_.model_name);
+  if (!status) message_ = status.error().message;
 }
 
 void Viewer::draw_panel(const FrameRow& row) {
   ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({340, 0}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({364, 0}, ImGuiCond_FirstUseEver);
   ImGui::Begin("Promenade (H hides)");
-  ImGui::PlotLines("##frames", frame_ms_.data(), static_cast<int>(frame_ms_.size()), 0,
-                   fmt::format("frame {:.1f} ms, estimated {:.1f}", row.frame_ms, row.estimated_ms).c_str(), 0,
-                   static_cast<float>(3 * session_.select_options().time.target_ms), {320, 60});
-  ImGui::Text("select %.2f  upload %.2f  draw %.2f ms", row.select_ms, row.upload_ms, row.draw_ms);
-  ImGui::Text("%llu triangles in %llu nodes, %llu missing", static_cast<unsigned long long>(row.triangles_drawn),
-              static_cast<unsigned long long>(row.nodes_drawn), static_cast<unsigned long long>(row.nodes_missing));
-  std::string levels = "levels";
-  for (const uint32_t count : row.nodes_by_level) levels += fmt::format(" {}", count);
-  ImGui::TextUnformatted(levels.c_str());
-  const double bound = double(options_.session.loader.memory_bytes);
-  ImGui::ProgressBar(
-      static_cast<float>(double(row.resident_bytes) / bound), {-1, 0},
-      fmt::format("{:.1f} of {:.0f} MiB", double(row.resident_bytes) / 1048576, bound / 1048576).c_str());
-  const LoaderCounts counts = session_.loader_counts();
-  ImGui::Text("read %.1f MB in %llu runs; loaded %llu, evicted %llu", double(counts.bytes_read) / 1e6,
-              static_cast<unsigned long long>(counts.reads), static_cast<unsigned long long>(counts.nodes_loaded),
-              static_cast<unsigned long long>(counts.nodes_evicted));
+  plots_.draw(session_, session_.select_options().time.target_ms, options_.session.loader.memory_bytes);
   const Pose& p = camera_.pose;
   ImGui::Text("eye %.2f %.2f %.2f\nyaw %.1f  pitch %.1f  roll %.1f", p.eye.x, p.eye.y, p.eye.z, p.yaw_deg, p.pitch_deg,
               p.roll_deg);
-  ImGui::Text("speed %.2f m/s%s", speed_m_per_s_, recording_ ? "  RECORDING" : "");
-  draw_settings();
+  ImGui::Text("cell %s  %s  %.2f m/s%s%s", row.cell ? fmt::format("{}", index_of(*row.cell)).c_str() : "none",
+              on_foot_ ? "on foot" : "flying", speed_m_per_s_, recording_ ? "  RECORDING" : "",
+              by_itself_.replaying() ? "  REPLAY" : "");
+  ImGui::Checkbox("walk", &on_foot_);
+  ImGui::SameLine();
+  ImGui::Checkbox("bird's eye", &bird_);
+  draw_box_colors_setting(boxes_);
+  draw_settings(session_);
   if (!message_.empty()) ImGui::TextUnformatted(message_.c_str());
   ImGui::PushTextWrapPos();
   ImGui::TextDisabled(
-      "drag: look   WASD, arrows, space, C: move   Q E: roll   wheel: speed   F: straighten   P: picture   R: record   "
-      "H: hide this   Esc: quit");
+      "drag: look   double click: go there   WASD, arrows, space, C: move   G: walk or fly   Q E: roll   wheel: speed  "
+      " "
+      "F: straighten   Home: back to the start   1-9: bookmark, Ctrl + 1-9: set it   B: bird's eye (wheel: height)   "
+      "V: boxes of nodes   P: picture   R: record   L: replay   H: hide this   Esc: quit");
   ImGui::PopTextWrapPos();
   ImGui::End();
 }
 
 Result<ViewerReport> Viewer::run() {
+  recorded_ = options_.replay;
+  if (!recorded_.keys.empty()) by_itself_.replay(recorded_);
   const Clock::time_point begin = Clock::now();
   double last_s = 0, total_ms = 0;
   while (!window_.closing() && (options_.max_frames == 0 || report_.frames < options_.max_frames)) {
@@ -276,32 +389,33 @@ Result<ViewerReport> Viewer::run() {
     last_s = now_s;
     panels_.begin();
     read_keys(dt_s);
-    record(now_s);
     camera_.width_px = window_.width_px();
     camera_.height_px = window_.height_px();
     const Result<FrameRow> row = session_.frame(camera_, dt_s);
     if (!row) return row.error();
     ++report_.frames;
     total_ms += row->frame_ms;
-    std::rotate(frame_ms_.begin(), frame_ms_.begin() + 1, frame_ms_.end());
-    frame_ms_.back() = static_cast<float>(row->frame_ms);
-    // A picture that cannot be written ends nothing: the panel says why.
-    if (pressed(GLFW_KEY_P))
-      if (const Status status = screenshot(); !status) message_ = status.error().message;
-    if (pressed(GLFW_KEY_R)) {
-      if (!recording_)
-        recording_ = true;
-      else if (const Status status = stop_recording(); !status)
-        message_ = status.error().message;
-    }
-    PROMENADE_TRY(present());
+    plots_.add(*row);
+    PROMENADE_TRY(draw(*row));
+    write_files(now_s);
     if (panel_) draw_panel(*row);
     panels_.end();
     window_.swap_and_poll();
   }
   if (recording_) PROMENADE_TRY(stop_recording());
+  keep_settings();
   report_.frame_ms_mean = report_.frames == 0 ? 0 : total_ms / double(report_.frames);
   return report_;
+}
+
+/// What was set the last time, but for what the caller asks for.
+void use_settings(const ViewerSettings& settings, const ViewerOptions& options, SessionOptions& session) {
+  if (settings.textures) session.textures = *settings.textures;
+  if (options.keep_policy)
+    if (const std::optional<Policy> policy = policy_named(settings.policy.value_or("")))
+      session.select.policy = *policy;
+  if (options.keep_pixel_error) session.select.pixel_error = settings.pixel_error.value_or(session.select.pixel_error);
+  if (options.keep_target) session.select.time.target_ms = settings.target_ms.value_or(session.select.time.target_ms);
 }
 
 }  // namespace
@@ -312,13 +426,16 @@ Result<ViewerReport> view(const ModelSource& source, const ViewerOptions& option
   const Result<WindowRenderer> drawing = make_renderer(options.renderer, **window);
   if (!drawing) return drawing.error();
   SessionOptions session_options = options.session;
+  ViewerSettings settings = read_viewer_settings(options.settings_file, options.model_name);
+  use_settings(settings, options, session_options);
   if (!session_options.draw_costs)
     if (const Result<DrawCosts> costs = draw_costs_here(*drawing->renderer, drawing->gl != nullptr ? "window" : "cpu"))
       session_options.draw_costs = *costs;
-  session_options.frame_bytes = drawing->renderer->frame_bytes((*window)->width_px(), (*window)->height_px());
+  session_options.frame_bytes = drawing->renderer->frame_bytes((*window)->width_px(), (*window)->height_px()) +
+                                surroundings_bytes(session_options.loader.memory_bytes);
   Result<Session> session = Session::open(source, *drawing->renderer, session_options);
   if (!session) return session.error();
-  return Viewer(source, options, **window, *drawing, *session).run();
+  return Viewer(source, options, **window, *drawing, *session, std::move(settings)).run();
 }
 
 }  // namespace promenade

@@ -5,8 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "geometry/camera.h"
-#include "geometry/result.h"
+#include "geometry/path.h"
 #include "runtime/session.h"
 
 namespace promenade {
@@ -21,6 +20,12 @@ struct ViewerOptions {
   std::filesystem::path folder = ".";  ///< where screenshots and recorded paths go
   std::string title = "Promenade";
   uint32_t max_frames = 0;  ///< stop after so many; 0: when the window is closed
+  CameraPath replay;        ///< played at once, and by L; empty: none
+  /// What the window remembers (viewer_settings.h); empty: nothing. Bookmarks are kept by the model's name.
+  std::filesystem::path settings_file;
+  std::string model_name;
+  /// Take what the window had when it was last closed; false: the session's.
+  bool keep_policy = false, keep_pixel_error = false, keep_target = false;
 };
 
 /// What view() did.
@@ -30,9 +35,11 @@ struct ViewerReport {
   std::vector<std::filesystem::path> screenshots, paths;
 };
 
-/// Opens a window and returns when it is closed. Left mouse button: look; W A S D, arrows, space and C: move; Q E:
-/// roll; wheel: speed; F: straighten; H: panel; P: screenshot; R: record a path, and stop; Escape: leave.
-/// Errors: no display; those of Session. Thread: the main one.
+/// Opens a window and returns when it is closed. Left mouse button: look; double click: go there; W A S D, arrows,
+/// space and C: move; G: on foot (ground, stairs, walls) or flying; Q E: roll; wheel: speed; F: straighten; Home: back
+/// to the start; 1 to 9: to a bookmark, with Control set it; B: bird's eye; V: boxes of nodes in false colours; H:
+/// panel; P: screenshot; R: record a path, and stop; L: replay it; Escape: leave. Errors: no display; those of Session.
+/// Thread: the main one.
 Result<ViewerReport> view(const ModelSource& source, const ViewerOptions& options);
 
 }  // namespace promenade

@@ -1,13 +1,16 @@
 #!/usr/bin/env bash
-# The window under real key and mouse events: moves, looks, takes a picture, records a path, quits. Needs a display of
-# its own (xvfb-run) and xdotool.
+# The window under real key and mouse events: moves, looks, takes pictures, records a path and replays it, sets bookmarks
+# and comes back to them, walks, goes to a click, shows the bird's eye, quits, remembers. Needs a display of its own
+# (xvfb-run) and xdotool.
 # usage: xvfb-run -a tests/cli/viewer_events.sh PROGRAM [gl|cpu]
 set -euo pipefail
 program=$(realpath "$1")
 folder=$(mktemp -d)
 viewer=
 trap '[[ -z $viewer ]] || kill "$viewer" 2>/dev/null || true; rm -rf "$folder"' EXIT
+
 cd "$folder"
+export XDG_CONFIG_HOME=$folder/config XDG_CACHE_HOME=$folder/cache
 
 fail() { echo "viewer_events: $1" >&2; cat view.log >&2; exit 1; }
 wait_for() {  # wait_for SECONDS WHAT COMMAND...: until the command succeeds
@@ -32,10 +35,31 @@ for _ in 1 2 3 4 5; do xdotool mousemove_relative -- -20 -4; sleep 0.2; done
 xdotool mouseup 1
 sleep 0.3
 hold space 1
+xdotool keydown ctrl; hold 1 0.3; xdotool keyup ctrl  # bookmark 1: up here
 hold r 0.5
 wait_for 10 "recorded path" test -s path-0001.json
 hold p 0.5
 wait_for 10 picture test -s view-0001.png
+hold r 0.5    # second path: replay, walk, bookmark, click, home
+hold l 0.3
+sleep 5
+hold g 0.5
+sleep 3       # falls to the ground
+hold s 1
+hold g 0.3
+hold 1 0.5
+sleep 1.5
+xdotool mousemove 450 300 click 1 click 1
+sleep 1.5
+hold Home 0.5
+sleep 1.5
+hold r 0.5
+wait_for 10 "second path" test -s path-0002.json
+hold v 0.3
+hold b 0.3
+sleep 1
+hold p 0.5
+wait_for 10 "bird's picture" test -s view-0002.png
 hold Escape 0.5
 wait_for 10 end bash -c "! kill -0 $viewer"
 wait "$viewer" || fail "exit $?"
@@ -49,5 +73,19 @@ assert forward > 1, f"W moved the eye by {forward} m along x + y, looking that w
 assert last["eye"][2] > first["eye"][2] + 0.5, "space does not rise"
 assert last["yaw_deg"] > first["yaw_deg"] + 10, "a drag to the left does not turn left"
 assert last["pitch_deg"] > first["pitch_deg"] + 1, "a drag upwards does not look up"
+
+def near(a, b, metres):
+    return sum((p - q) ** 2 for p, q in zip(a["eye"], b["eye"])) ** 0.5 < metres
+tour = json.load(open("path-0002.json"))["keys"]
+assert any(near(k, first, 0.3) for k in tour), "L does not replay the recorded path from its beginning"
+lowest = min(tour, key=lambda k: k["eye"][2])
+assert 1 < lowest["eye"][2] < 3, f"on foot the eye is {lowest['eye'][2]} m high"
+after = tour[tour.index(lowest):]
+assert any(near(k, last, 0.01) for k in after), "1 does not go to the bookmark"
+home = after[-1]
+assert near(home, {"eye": [20, 20, 2]}, 0.01), f"Home ends at {home['eye']}"
+settings = json.load(open("config/promenade/viewer.json"))
+assert [*settings["bookmarks"].values()][0]["1"][0] == last["eye"][0], "the bookmark is not remembered"
 P
+cmp -s view-0001.png view-0002.png && fail "the bird sees what the walker sees"
 echo "viewer_events: passed"

@@ -1,0 +1,149 @@
+#include "runtime/viewer_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace promenade {
+namespace {
+
+constexpr double kPyramidM = 60;  // length of a view pyramid, shown
+constexpr ImU32 kCellColor = IM_COL32(255, 230, 40, 255), kNeighbourColor = IM_COL32(255, 230, 40, 110),
+                kPyramidColor = IM_COL32(255, 60, 200, 255);
+
+ImU32 packed(const glm::u8vec4& c, int opacity) { return IM_COL32(c.r, c.g, c.b, opacity); }
+
+/// From 0 to 1: how deep, how large, how coarse; resident nodes: how deep.
+double share_of(const NodeRecord& node, BoxColors colors, const NodeRecord& most) {
+  switch (colors) {
+    case BoxColors::triangles:
+      return double(node.triangles) / most.triangles;
+    case BoxColors::error:
+      return node.error_m <= 0 ? 0 : (std::log10(double(node.error_m)) + 3) / 4;  // 1 mm to 10 m
+    case BoxColors::level:
+    case BoxColors::resident:
+    case BoxColors::none:
+      break;
+  }
+  return double(node.level) / most.level;
+}
+
+}  // namespace
+
+void FramePlots::push(Plot& plot, double value) {
+  std::rotate(plot.begin(), plot.begin() + 1, plot.end());
+  plot.back() = static_cast<float>(value);
+}
+
+void FramePlots::add(const FrameRow& row) {
+  push(frame_ms_, row.frame_ms);
+  push(resident_mib_, double(row.resident_bytes) / 1048576);
+  push(read_kib_, double(row.bytes_read) / 1024);
+  last_ = row;
+}
+
+void FramePlots::draw(const Session& session, double target_ms, uint64_t memory_bytes) const {
+  const auto plot = [](const char* id, const Plot& values, const std::string& title, double most, float height) {
+    ImGui::PlotLines(id, values.data(), static_cast<int>(values.size()), 0, title.c_str(), 0, static_cast<float>(most),
+                     {344, height});
+  };
+  const double bound_mib = double(memory_bytes) / 1048576;
+  plot("##frames", frame_ms_, fmt::format("frame {:.1f} ms, estimated {:.1f}", last_.frame_ms, last_.estimated_ms),
+       3 * target_ms, 60);
+  plot("##memory", resident_mib_,
+       fmt::format("{:.1f} of {:.0f} MiB", double(last_.resident_bytes) / 1048576, bound_mib), bound_mib, 40);
+  plot("##read", read_kib_, fmt::format("{:.0f} KiB read", double(last_.bytes_read) / 1024),
+       std::max(64.0, double(*std::max_element(read_kib_.begin(), read_kib_.end()))), 40);
+  ImGui::Text("select %.2f  upload %.2f  draw %.2f ms", last_.select_ms, last_.upload_ms, last_.draw_ms);
+  ImGui::Text("%llu triangles in %llu nodes, %llu missing", static_cast<unsigned long long>(last_.triangles_drawn),
+              static_cast<unsigned long long>(last_.nodes_drawn), static_cast<unsigned long long>(last_.nodes_missing));
+  std::string levels = "levels";
+  for (const uint32_t count : last_.nodes_by_level) levels += fmt::format(" {}", count);
+  ImGui::TextUnformatted(levels.c_str());
+  const LoaderCounts counts = session.loader_counts();
+  ImGui::Text("read %.1f MB in %llu runs; loaded %llu, evicted %llu", double(counts.bytes_read) / 1e6,
+              static_cast<unsigned long long>(counts.reads), static_cast<unsigned long long>(counts.nodes_loaded),
+              static_cast<unsigned long long>(counts.nodes_evicted));
+}
+
+/// Everything that a policy can be told.
+void draw_settings(Session& session) {
+  SelectOptions& select = session.select_options();
+  if (ImGui::BeginCombo("policy", std::string(name_of(select.policy)).c_str())) {
+    for (const Policy policy : all_policies())
+      if (ImGui::Selectable(std::string(name_of(policy)).c_str(), policy == select.policy)) select.policy = policy;
+    ImGui::EndCombo();
+  }
+  float pixel_error = static_cast<float>(select.pixel_error), target_ms = static_cast<float>(select.time.target_ms);
+  if (ImGui::SliderFloat("pixel error", &pixel_error, 0.25F, 16, "%.2f", ImGuiSliderFlags_Logarithmic))
+    select.pixel_error = double(pixel_error);
+  if (ImGui::SliderFloat("target ms", &target_ms, 5, 200, "%.0f", ImGuiSliderFlags_Logarithmic))
+    select.time.target_ms = double(target_ms);
+  const auto slide = [](const char* label, double& value, float least, float most) {
+    float shown = static_cast<float>(value);
+    if (ImGui::SliderFloat(label, &shown, least, most, "%.2f")) value = double(shown);
+  };
+  slide("error hysteresis", select.error_hysteresis, 0, 0.5F);
+  if (select.policy == Policy::cost_benefit && ImGui::CollapsingHeader("worth of drawing")) {
+    slide("half error px", select.benefit.half_error_px, 0.5F, 32);
+    slide("focus", select.benefit.focus_weight, 0, 1);
+    slide("motion", select.benefit.motion_weight, 0, 1);
+    slide("hysteresis", select.benefit.hysteresis_weight, 0, 1);
+  }
+  if (uses_time(select.policy) && ImGui::CollapsingHeader("time slices")) {
+    ImGui::Checkbox("hysteresis", &select.time.hysteresis);
+    slide("switch", select.time.hysteresis_switch, 1, 50);
+    slide("limit", select.time.hysteresis_limit, 1, 150);
+    slide("visibility", select.time.visibility_weight, 0, 4);
+    slide("foreshortening", select.time.foreshortening_weight, 0, 1);
+    ImGui::Checkbox("refine when all children are there", &select.time.all_children_resident);
+    ImGui::Checkbox("share follows time", &select.time.share_feedback);
+  }
+  int fade_frames = static_cast<int>(session.fade_frames());
+  if (ImGui::SliderInt("fade frames", &fade_frames, 0, 60)) session.fade_frames() = static_cast<uint32_t>(fade_frames);
+  ImGui::Checkbox("textures", &session.frame_view().textures);
+}
+
+void draw_box_colors_setting(BoxColors& colors) {
+  static constexpr std::array<const char*, 5> kNames = {"no boxes", "drawn nodes by level", "drawn nodes by triangles",
+                                                        "drawn nodes by error", "resident nodes by level"};
+  int chosen = static_cast<int>(colors);
+  if (ImGui::Combo("boxes", &chosen, kNames.data(), static_cast<int>(kNames.size())))
+    colors = static_cast<BoxColors>(chosen);
+}
+
+void draw_overlay(const RasterView& view, const ModelSource& source, const Session& session, BoxColors colors,
+                  const Camera* walker, std::optional<CellId> cell) {
+  ImDrawList* lines = ImGui::GetBackgroundDrawList();
+  const auto in = [lines](ImU32 color, float width) {
+    return [lines, color, width](const Line& line) {
+      lines->AddLine({line[0].x, line[0].y}, {line[1].x, line[1].y}, color, width);
+    };
+  };
+  const ModelTables& tables = source.model().tables;
+  if (colors != BoxColors::none) {
+    NodeRecord most;  // of every figure, whichever node has it
+    most.level = most.triangles = 1;
+    for (const NodeRecord& node : tables.nodes) {
+      most.level = std::max(most.level, node.level);
+      most.triangles = std::max(most.triangles, node.triangles);
+    }
+    const std::vector<NodeId> nodes =
+        colors == BoxColors::resident ? session.resident_nodes() : session.selection().front;
+    for (const NodeId id : nodes) {
+      const NodeRecord& node = tables.nodes[index_of(id)];
+      draw_box(view, node.box, in(packed(false_color(share_of(node, colors, most)), 160), 1));
+    }
+  }
+  if (walker == nullptr) return;
+  draw_pyramid(view, *walker, source.model().manifest.origin, kPyramidM, in(kPyramidColor, 2));
+  const CellTables* cells = source.cells();
+  if (cells == nullptr || !cell) return;
+  for (const uint32_t face : cells->faces_of(*cell))
+    draw_box(view, cells->cells[index_of(cells->faces[face].other(*cell))].box, in(kNeighbourColor, 1));
+  draw_box(view, cells->cells[index_of(*cell)].box, in(kCellColor, 2));
+}
+
+}  // namespace promenade

@@ -1,0 +1,38 @@
+#pragma once
+// What stands beside the picture: figures, plots, settings; and over it: cells, boxes, the view pyramid.
+
+#include <array>
+#include <string>
+
+#include "runtime/overlay.h"
+#include "runtime/session.h"
+
+namespace promenade {
+
+/// The last frames' figures.
+class FramePlots {
+ public:
+  void add(const FrameRow& row);
+  void draw(const Session& session, double target_ms, uint64_t memory_bytes) const;
+
+ private:
+  static constexpr size_t kFrames = 120;
+  using Plot = std::array<float, kFrames>;
+  static void push(Plot& plot, double value);
+  Plot frame_ms_{}, resident_mib_{}, read_kib_{};
+  FrameRow last_;
+};
+
+/// Sliders and boxes for all that the policies can be told. Between Panels::begin() and end().
+void draw_settings(Session& session);
+
+/// What boxes are drawn over the picture, and what their colours say.
+enum class BoxColors : uint8_t { none, level, triangles, error, resident };
+void draw_box_colors_setting(BoxColors& colors);
+
+/// Draws, behind the panels, into the picture that `view` took: boxes of the nodes drawn (or resident) in false
+/// colours, and, of a bird's eye, the walker's view pyramid, its cell and that cell's neighbours.
+void draw_overlay(const RasterView& view, const ModelSource& source, const Session& session, BoxColors colors,
+                  const Camera* walker, std::optional<CellId> cell);
+
+}  // namespace promenade
