@@ -71,6 +71,7 @@ void add_source_check(CLI::App& app, VerifySourceOptions& o) {
   group->add_option("--source-views", o.views, "Random views from where somebody may stand")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  group->add_option("--path", o.path, "A recorded path: that many views evenly along it instead")->type_name("FILE");
   add_parsed<PixelSize>(*group, "--size", o.size, parse_size, "Their pictures, pixels")->default_str("1280x720");
   group->add_option("--fov", o.vertical_fov_deg, "Their vertical field of view, degrees")
       ->check(CLI::Range(1.0, 170.0))

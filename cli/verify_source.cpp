@@ -8,6 +8,7 @@
 
 #include "cli/picture.h"
 #include "cli/source_renderer.h"
+#include "cli/view_options.h"
 #include "preprocess/visibility/eyes.h"
 #include "preprocess/visibility/node_meshes.h"
 #include "preprocess/visibility/study_cells.h"
@@ -73,6 +74,23 @@ Result<std::vector<Camera>> random_cameras(const VerifySourceOptions& options, c
   return cameras;
 }
 
+/// Evenly along a recorded path.
+Result<std::vector<Camera>> path_cameras(const VerifySourceOptions& options) {
+  const Result<CameraPath> path = read_path(options.path);
+  if (!path) return path.error();
+  Camera camera;
+  camera.width_px = options.size.width, camera.height_px = options.size.height;
+  camera.vertical_fov_deg = options.vertical_fov_deg;
+  std::vector<Camera> cameras;
+  cameras.reserve(options.views);
+  for (uint32_t i = 0; i < options.views; ++i) {
+    const double share = (i + 0.5) / options.views;
+    camera.pose = pose_at(*path, path->keys.front().t_s + share * path->duration_s());
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
 /// What a front's nodes are made of, in one mesh.
 Result<ClosestPointTree> surface_of(const ModelReader& reader, std::span<const NodeId> front) {
   std::vector<glm::vec3> positions;
@@ -110,7 +128,8 @@ Status write_difference(const Frame& source, const Frame& model, const std::file
 Status verify_source(const VerifySourceOptions& options, const ModelReader& reader, JobMonitor& monitor,
                      Json& figures) {
   if (!options.picture.empty()) PROMENADE_TRY(check_picture_name(Aov::color, options.picture));
-  const Result<std::vector<Camera>> cameras = random_cameras(options, reader);
+  const Result<std::vector<Camera>> cameras =
+      options.path.empty() ? random_cameras(options, reader) : path_cameras(options);
   if (!cameras) return cameras.error();
   const std::unique_ptr<Renderer> renderer = create_cpu_renderer();
   SourceRenderOptions reference;

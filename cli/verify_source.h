@@ -17,6 +17,7 @@ struct VerifySourceOptions {
   uint32_t views =
       20;  ///< in random directions from random eyes in view cells (without cells: on the ground, in the air)
   uint64_t seed = 1;
+  std::filesystem::path path;  ///< a recorded path: views evenly along it instead; empty: none
   PixelSize size;
   double vertical_fov_deg = 60;
   double pixel_error = 1;
