@@ -170,6 +170,7 @@ Command add_fly(CLI::App& program) {
   app->add_flag("--published-estimate", arguments->published_estimate,
                 "Foretell frame times by triangles alone, as [lakhia2004] did, not by the machine's measured costs");
   add_fade_option(*app, arguments->view);
+  add_prefetch_options(*app, arguments->view);
   add_camera_options(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::vlod_time_slices, uint64_t(256) << 20);
   add_renderer_options(*app, arguments->view);

@@ -41,6 +41,8 @@ void add_renderer_options(CLI::App& app, ViewOptions& options);
 /// --policy, --pixel-error, --memory, --target-ms, --disk-*, and the policies' constants.
 void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_policy, uint64_t default_memory_bytes);
 
+/// --prefetch-s, --range-*: what is loaded beforehand.
+void add_prefetch_options(CLI::App& app, ViewOptions& options);
 /// --fade-frames: for what shows frame after frame.
 void add_fade_option(CLI::App& app, ViewOptions& options);
 
