@@ -245,11 +245,27 @@ Result<DrawCosts> draw_costs_of(const OffscreenRenderer& offscreen) {
   return draw_costs_here(*offscreen.renderer, offscreen.name);
 }
 
-Result<CameraPath> read_path(const std::filesystem::path& file) {
+namespace {
+
+/// Only the first seconds of a path; 0: all of it.
+CameraPath cut_short(CameraPath path, double seconds) {
+  if (seconds <= 0 || seconds >= path.duration_s()) return path;
+  const double end = path.keys.front().t_s + seconds;
+  const Pose last = pose_at(path, end);
+  std::erase_if(path.keys, [end](const CameraPath::Key& key) { return key.t_s >= end; });
+  path.keys.push_back({end, last});
+  return path;
+}
+
+}  // namespace
+
+Result<CameraPath> read_path(const std::filesystem::path& file, double seconds) {
   constexpr uint64_t kLargestPath = uint64_t(256) << 20;  // a key takes about 100 bytes: two million of them
   const Result<std::string> text = read_text_file(file, kLargestPath);
   if (!text) return text.error();
-  return parse_path(*text, file.string());
+  Result<CameraPath> path = parse_path(*text, file.string());
+  if (!path) return path.error();
+  return cut_short(std::move(*path), seconds);
 }
 
 bool is_model(const std::filesystem::path& path) {
