@@ -6,6 +6,7 @@
 #include "cli/console.h"
 #include "cli/flight_figures.h"
 #include "cli/picture.h"
+#include "cli/video.h"
 #include "cli/view_options.h"
 #include "codec/image_codec.h"
 #include "layout/model_io.h"
@@ -14,7 +15,7 @@ namespace promenade {
 namespace {
 
 struct FlyArguments {
-  std::filesystem::path model, path_file, frames_folder, report_file;
+  std::filesystem::path model, path_file, frames_folder, report_file, video_file;
   uint32_t frames_every = 1;
   double seconds = 0;
   bool real_time = false;
@@ -39,16 +40,6 @@ FlightOptions flight_options(const FlyArguments& arguments) {
   options.redraw_every = arguments.noise_every;
   options.pacing = arguments.real_time ? Pacing::real_time : Pacing::every_frame;
   return options;
-}
-
-/// Only the first seconds of a path; 0: all of it.
-CameraPath cut_short(CameraPath path, double seconds) {
-  if (seconds <= 0 || seconds >= path.duration_s()) return path;
-  const double end = path.keys.front().t_s + seconds;
-  const Pose last = pose_at(path, end);
-  std::erase_if(path.keys, [end](const CameraPath::Key& key) { return key.t_s >= end; });
-  path.keys.push_back({end, last});
-  return path;
 }
 
 /// Saves the frames that are asked for, and keeps small pictures for the report.
@@ -106,9 +97,8 @@ void print_totals(const FlyArguments& arguments, const FlightReport& report) {
 }
 
 Status run_fly(const FlyArguments& arguments, JobMonitor& monitor, Json& figures) {
-  const Result<CameraPath> whole_path = read_path(arguments.path_file);
-  if (!whole_path) return whole_path.error();
-  const CameraPath path = cut_short(*whole_path, arguments.seconds);
+  const Result<CameraPath> path = read_path(arguments.path_file, arguments.seconds);
+  if (!path) return path.error();
   const Result<ModelReader> reader = ModelReader::open(arguments.model);
   if (!reader) return reader.error();
   const std::unique_ptr<ModelSource> source = source_of(*reader);
@@ -129,10 +119,26 @@ Status run_fly(const FlyArguments& arguments, JobMonitor& monitor, Json& figures
                   select.time.target_ms,
                   arguments.view.session.loader.memory_bytes,
                   {}};
-  PictureTaker pictures(arguments, path, page);
-  const auto on_frame = [&](const FrameRow& row, Renderer& renderer) { return pictures(row, renderer); };
-  const Result<FlightReport> report = fly(*source, *offscreen->renderer, path, options, on_frame, monitor);
+  PictureTaker pictures(arguments, *path, page);
+  std::unique_ptr<VideoWriter> video;
+  if (!arguments.video_file.empty()) {
+    const PixelSize& size = arguments.view.size;
+    Result<std::unique_ptr<VideoWriter>> started =
+        VideoWriter::start(arguments.video_file, size.width, size.height, path->fps);
+    if (!started) return started.error();
+    video = std::move(*started);
+  }
+  const auto on_frame = [&](const FrameRow& row, Renderer& renderer) -> Status {
+    if (video) {
+      const Result<Image> picture = renderer.read_color();
+      if (!picture) return picture.error();
+      PROMENADE_TRY(video->add(*picture));
+    }
+    return pictures(row, renderer);
+  };
+  const Result<FlightReport> report = fly(*source, *offscreen->renderer, *path, options, on_frame, monitor);
   if (!report) return report.error();
+  if (video) PROMENADE_TRY(video->finish());
   figures = json_of(*report);
   figures["policy"] = page.policy;
   figures["renderer"] = page.renderer;
@@ -156,6 +162,8 @@ Command add_fly(CLI::App& program) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app->add_option("--report", arguments->report_file, "Write a page with pictures and plots")->type_name("FILE.html");
+  app->add_option("--video", arguments->video_file, "Write a video (by ffmpeg; the ending says which kind)")
+      ->type_name("FILE.mp4");
   app->add_option("--seconds", arguments->seconds, "Fly only the first seconds of the path (0: all)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
@@ -170,6 +178,7 @@ Command add_fly(CLI::App& program) {
   app->add_flag("--published-estimate", arguments->published_estimate,
                 "Foretell frame times by triangles alone, as [lakhia2004] did, not by the machine's measured costs");
   add_fade_option(*app, arguments->view);
+  add_prefetch_options(*app, arguments->view);
   add_camera_options(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::vlod_time_slices, uint64_t(256) << 20);
   add_renderer_options(*app, arguments->view);

@@ -73,6 +73,7 @@ Command add_view(CLI::App& program) {
   app->add_option("--folder", arguments->folder, "Where screenshots and recorded paths go")->capture_default_str();
   add_camera_options(*app, arguments->view);
   add_fade_option(*app, arguments->view);
+  add_prefetch_options(*app, arguments->view);
   add_renderer_option(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::vlod_time_slices, uint64_t(256) << 20);
   app->footer(

@@ -39,6 +39,7 @@ Json json_of_row(const FrameRow& row) {
           {"bytes_read", row.bytes_read},
           {"cell", row.cell ? Json(index_of(*row.cell)) : Json()},
           {"vlod_missing", row.vlod_missing},
+          {"range_cells", row.range_cells},
           {"delta_nodes", row.delta_nodes},
           {"delta_bytes", row.delta_bytes},
           {"nodes_by_level", row.nodes_by_level}};
@@ -99,6 +100,15 @@ std::string plots(const FlightReport& report, const FlightPage& page) {
   svg += line_plot(
       {{"toggles", moving_average(column(report, [](const FrameRow& r) { return double(r.toggles); }), kLakhiaWindow)}},
       {.title = "Toggles between levels, moving average of 35 frames", .y_label = "a frame", .lines = {}});
+  svg += line_plot({{"fading", column(report, [](const FrameRow& r) { return double(r.nodes_fading); })}},
+                   {.title = "Nodes drawn besides the front, for fades", .y_label = "count", .lines = {}});
+  if (report.totals.popped_share_mean)
+    svg += line_plot({{"popped", column(report, [](const FrameRow& r) { return r.popped_share.value_or(0) * 1e6; })}},
+                     {.title = "Popped: pixels changed beyond what the camera's motion explains",
+                      .y_label = "per million",
+                      .lines = {}});
+  svg += line_plot({{"response", column(report, [](const FrameRow& r) { return r.response_ms; })}},
+                   {.title = "Response: from reading the pose to the finished picture", .y_label = "ms", .lines = {}});
   svg += line_plot({{"missing", column(report, [](const FrameRow& r) { return double(r.nodes_missing); })}},
                    {.title = "Nodes not resident when chosen (an ancestor stood in)", .y_label = "count", .lines = {}});
   svg += line_plot({{"read", column(report, [&](const FrameRow& r) { return mib(r.bytes_read); })}},
@@ -136,6 +146,10 @@ std::string table_of(const FlightReport& report) {
       {"triangles drawn, mean", human_count(static_cast<uint64_t>(t.triangles_drawn_mean))},
       {"nodes drawn, mean", fmt::format("{:.1f}", t.nodes_drawn_mean)},
       {"nodes missing, mean", fmt::format("{:.3f}", t.nodes_missing_mean)},
+      {"one picture drawn twice deviates by",
+       t.frame_noise_percent > 0 ? fmt::format("{:.1f} %", t.frame_noise_percent) : "not measured"},
+      {"popped pixels of a million, mean",
+       t.popped_share_mean ? fmt::format("{:.0f}", *t.popped_share_mean * 1e6) : "not measured"},
       {"toggles a frame", fmt::format("{:.4f}", t.toggles_per_frame)},
       {"read from disk", fmt::format("{} in {} reads", human_bytes(t.bytes_read), t.reads)},
       {"resident, peak", fmt::format("{} of {}", human_bytes(t.resident_bytes_peak), human_bytes(t.memory_bytes))},
@@ -173,7 +187,7 @@ EstimateError estimate_error(const FlightReport& report, bool with_feedback) {
   return {mean, std::sqrt(std::max(0.0, squares / double(errors.size()) - mean * mean))};
 }
 
-Json json_of(const FlightReport& report) {
+Json totals_json(const FlightReport& report) {
   const EstimateError with = estimate_error(report, true), without = estimate_error(report, false);
   const FlightTotals& t = report.totals;
   Json json = {{"frame_count", t.frames},
@@ -206,17 +220,26 @@ Json json_of(const FlightReport& report) {
                {"estimate_error_percent_stddev", with.stddev_percent},
                {"estimate_without_feedback_error_percent_mean", without.mean_percent},
                {"estimate_without_feedback_error_percent_stddev", without.stddev_percent}};
+  return json;
+}
+
+Json json_of(const FlightReport& report) {
+  Json json = totals_json(report);
   json["frames"] = Json::array();
   for (const FrameRow& row : report.rows) json["frames"].push_back(json_of_row(row));
   return json;
 }
 
+std::string page_head(const std::string& title) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n"
+      "<title>{0}</title>\n{1}<h1>{0}</h1>\n",
+      escaped(title), kStyle);
+}
+
 std::string html_of(const FlightReport& report, const FlightPage& page) {
-  std::string html =
-      "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n";
-  html += fmt::format("<title>Flight through {}</title>\n{}", escaped(page.model), kStyle);
-  html += fmt::format("<h1>Flight through {}</h1>\n<p>{}, policy {}, {}</p>\n", escaped(page.model), escaped(page.path),
-                      escaped(page.policy), escaped(page.renderer));
+  std::string html = page_head("Flight through " + page.model);
+  html += fmt::format("<p>{}, policy {}, {}</p>\n", escaped(page.path), escaped(page.policy), escaped(page.renderer));
   html += table_of(report) + "<div class=pictures>\n";
   for (const FlightPage::Picture& picture : page.pictures)
     html += fmt::format(

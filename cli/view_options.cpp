@@ -20,6 +20,11 @@ Result<ErrorKind> parse_error_kind(const std::string& text) {
   return Error{fmt::format("\"{}\" is no kind of error: bound or p99", text)};
 }
 
+Result<RangeCull> parse_range_cull(const std::string& text) {
+  if (const std::optional<RangeCull> cull = range_cull_named(text)) return *cull;
+  return Error{fmt::format("\"{}\" is no cull of cells: any, plane or direction", text)};
+}
+
 Result<OffscreenKind> parse_offscreen(const std::string& text) {
   if (const std::optional<OffscreenKind> kind = offscreen_kind_named(text)) return *kind;
   return Error{fmt::format("\"{}\" is no way to draw offscreen: automatic, osmesa or egl", text)};
@@ -99,6 +104,22 @@ void add_benefit_options(CLI::App& app, BenefitOptions& benefit) {
 }
 
 }  // namespace
+
+void add_prefetch_options(CLI::App& app, ViewOptions& options) {
+  SelectOptions& select = options.session.select;
+  RangeOptions& range = options.session.range;
+  CLI::Option_group* group = app.add_option_group("prefetch", "What is read before it is wanted");
+  group->add_option("--prefetch-s", select.prefetch_s, "Load what will be wanted so much later, s (0: only what is)")
+      ->check(CLI::Range(0.0, 60.0))
+      ->capture_default_str();
+  group->add_option("--range-s", range.horizon_s, "Read what is seen from cells that can be reached so soon, s")
+      ->check(CLI::Range(0.0, 600.0))
+      ->capture_default_str();
+  group->add_option("--range-cells", range.most_cells, "No more of them than this")->capture_default_str();
+  add_parsed<RangeCull>(*group, "--range-cull", range.cull, parse_range_cull,
+                        "Which of them: any, plane (not behind the movement), direction (met by its line)")
+      ->default_str(std::string(name_of(range.cull)));
+}
 
 void add_fade_option(CLI::App& app, ViewOptions& options) {
   app.add_option("--fade-frames", options.session.fade_frames,
@@ -224,11 +245,27 @@ Result<DrawCosts> draw_costs_of(const OffscreenRenderer& offscreen) {
   return draw_costs_here(*offscreen.renderer, offscreen.name);
 }
 
-Result<CameraPath> read_path(const std::filesystem::path& file) {
+namespace {
+
+/// Only the first seconds of a path; 0: all of it.
+CameraPath cut_short(CameraPath path, double seconds) {
+  if (seconds <= 0 || seconds >= path.duration_s()) return path;
+  const double end = path.keys.front().t_s + seconds;
+  const Pose last = pose_at(path, end);
+  std::erase_if(path.keys, [end](const CameraPath::Key& key) { return key.t_s >= end; });
+  path.keys.push_back({end, last});
+  return path;
+}
+
+}  // namespace
+
+Result<CameraPath> read_path(const std::filesystem::path& file, double seconds) {
   constexpr uint64_t kLargestPath = uint64_t(256) << 20;  // a key takes about 100 bytes: two million of them
   const Result<std::string> text = read_text_file(file, kLargestPath);
   if (!text) return text.error();
-  return parse_path(*text, file.string());
+  Result<CameraPath> path = parse_path(*text, file.string());
+  if (!path) return path.error();
+  return cut_short(std::move(*path), seconds);
 }
 
 bool is_model(const std::filesystem::path& path) {

@@ -41,6 +41,8 @@ void add_renderer_options(CLI::App& app, ViewOptions& options);
 /// --policy, --pixel-error, --memory, --target-ms, --disk-*, and the policies' constants.
 void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_policy, uint64_t default_memory_bytes);
 
+/// --prefetch-s, --range-*: what is loaded beforehand.
+void add_prefetch_options(CLI::App& app, ViewOptions& options);
 /// --fade-frames: for what shows frame after frame.
 void add_fade_option(CLI::App& app, ViewOptions& options);
 
@@ -59,8 +61,8 @@ Result<OffscreenRenderer> make_offscreen_renderer(const ViewOptions& options);
 /// What drawing costs with it on this machine, measured on first use (runtime/draw_costs.h).
 Result<DrawCosts> draw_costs_of(const OffscreenRenderer& offscreen);
 
-/// A recorded path from its file.
-Result<CameraPath> read_path(const std::filesystem::path& file);
+/// A recorded path from its file; only its first seconds, or all of it (0).
+Result<CameraPath> read_path(const std::filesystem::path& file, double seconds = 0);
 
 /// Whether a path names a model (else it is taken for a source).
 bool is_model(const std::filesystem::path& path);

@@ -171,6 +171,7 @@ Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const Ca
     if (paced && threaded) session->run_loader(loader_ms);
     Result<FrameRow> row = session->frame(camera, time.dt_s());
     if (!row) return row.error();
+    row->frame = static_cast<uint32_t>(report.rows.size());
     if (options.redraw_every > 0 && row->frame % options.redraw_every == 0) {
       const Result<double> again_ms = session->redraw();
       if (!again_ms) return again_ms.error();

@@ -75,6 +75,7 @@ namespace promenade {
   X(uniform_1f, PFNGLUNIFORM1FPROC, "glUniform1f")                                             \
   X(uniform_1i, PFNGLUNIFORM1IPROC, "glUniform1i")                                             \
   X(uniform_1ui, PFNGLUNIFORM1UIPROC, "glUniform1ui")                                          \
+  X(uniform_2fv, PFNGLUNIFORM2FVPROC, "glUniform2fv")                                          \
   X(uniform_3fv, PFNGLUNIFORM3FVPROC, "glUniform3fv")                                          \
   X(uniform_4fv, PFNGLUNIFORM4FVPROC, "glUniform4fv")                                          \
   X(uniform_matrix_3fv, PFNGLUNIFORMMATRIX3FVPROC, "glUniformMatrix3fv")                       \

@@ -57,6 +57,8 @@ struct PreparedItem {
   glm::mat3 model_from_mesh_normal{1};
   bool mirrored = false;
   float distance_m = 0;
+  glm::vec2 fade{0, 1};  ///< DrawItem::fade_from, fade_to
+  bool fades() const { return fade.x > 0 || fade.y < 1; }
 };
 
 /// Which groups one sweep over the items draws.
@@ -65,6 +67,7 @@ struct Pass {
   bool masked = false;
   bool blended = false;
   bool ids = false;
+  bool fading = false;
 
   bool takes(const DrawGroup& group, bool textures) const {
     const bool masks = group.alpha == AlphaMode::mask, blends = group.alpha == AlphaMode::blend;
@@ -140,7 +143,8 @@ class Renderer33 final : public GlRenderer {
   void draw_item(const GlProgram& program, const Pass& pass, const PreparedItem& item, bool two_sided);
   void draw_sky();
   const GlProgram& program_of(const Pass& pass) const {
-    return surface_programs_[size_t(pass.textured) + size_t(pass.masked) * 2 + size_t(pass.ids) * 4];
+    return surface_programs_[size_t(pass.textured) + size_t(pass.masked) * 2 + size_t(pass.ids) * 4 +
+                             size_t(pass.fading) * 8];
   }
   void create_samplers();
   void set_vertex_layout() const;
@@ -151,7 +155,7 @@ class Renderer33 final : public GlRenderer {
   GlFrameTarget target_;
   bool reversed_ = false;
   uint32_t max_texture_side_ = 2048;
-  std::array<GlProgram, 8> surface_programs_{};
+  std::array<GlProgram, 16> surface_programs_{};
   GlProgram sky_program_;
   GLuint empty_vertex_array_ = 0;
   std::array<GLuint, 9> samplers_{};
@@ -166,7 +170,7 @@ class Renderer33 final : public GlRenderer {
   FrameView view_;
   double far_m_ = 0;
   std::vector<PreparedItem> prepared_;
-  std::vector<uint32_t> as_given_, by_distance_;
+  std::vector<uint32_t> whole_, fading_, by_distance_;  ///< items; those without and with fades as given
   DrawCounts counts_;
 };
 
@@ -197,7 +201,7 @@ Status Renderer33::prepare() {
   gl_.get_integerv(GL_MAX_TEXTURE_SIZE, &side);
   max_texture_side_ = static_cast<uint32_t>(std::max(side, 64));
   for (size_t i = 0; i < surface_programs_.size(); ++i) {
-    const SurfaceVariant variant{(i & 1U) != 0, (i & 2U) != 0, (i & 4U) != 0};
+    const SurfaceVariant variant{(i & 1U) != 0, (i & 2U) != 0, (i & 4U) != 0, (i & 8U) != 0};
     if (variant.ids && variant.textured && !variant.masked) continue;  // never asked for
     const Result<GlProgram> program = build_surface_program(gl_, variant);
     if (!program) return program.error();
@@ -355,6 +359,7 @@ void Renderer33::prepare_items(std::span<const DrawItem> items) {
     PreparedItem p;
     p.mesh = &meshes_[static_cast<uint32_t>(item.mesh)];
     p.node = item.node;
+    p.fade = {item.fade_from, item.fade_to};
     glm::dmat4 eye_from_mesh(item.model_from_mesh);
     eye_from_mesh[3] -= glm::dvec4(eye, 0);
     p.eye_from_mesh = glm::mat4(eye_from_mesh);
@@ -382,11 +387,13 @@ void Renderer33::prepare_items(std::span<const DrawItem> items) {
     eye_from_mesh[3] -= glm::dvec4(eye, 0);
     prepared_[i].clip_from_mesh = glm::mat4(clip_from_eye * eye_from_mesh);
   }
-  // Of two items that fade into each other the one that has more of the picture is drawn: a switch, never a hole.
-  as_given_.clear();
-  for (size_t i = 0; i < items.size(); ++i)
-    if (items[i].fade_from <= 0.5F && 0.5F < items[i].fade_to) as_given_.push_back(static_cast<uint32_t>(i));
-  by_distance_ = as_given_;
+  whole_.clear();
+  fading_.clear();
+  by_distance_.clear();
+  for (uint32_t i = 0; i < items.size(); ++i) {
+    (prepared_[i].fades() ? fading_ : whole_).push_back(i);
+    by_distance_.push_back(i);
+  }
   std::stable_sort(by_distance_.begin(), by_distance_.end(),
                    [this](uint32_t a, uint32_t b) { return prepared_[a].distance_m > prepared_[b].distance_m; });
 }
@@ -411,7 +418,10 @@ Status Renderer33::draw(const FrameView& view, std::span<const DrawItem> items) 
   const glm::vec4 plain = linear_color(view.background.plain);
   gl_.clear_bufferfv(GL_COLOR, 0, glm::value_ptr(plain));
   for (const bool masked : {false, true})
-    for (const bool textured : {false, true}) draw_pass({textured, masked, false, false}, as_given_);
+    for (const bool textured : {false, true}) {
+      draw_pass({textured, masked, false, false, false}, whole_);
+      draw_pass({textured, masked, false, false, true}, fading_);
+    }
   gl_.depth_mask(GL_FALSE);
   if (view.background.sky) draw_sky();
   gl_.enable(GL_BLEND);
@@ -422,7 +432,7 @@ Status Renderer33::draw(const FrameView& view, std::span<const DrawItem> items) 
     const std::vector<DrawGroup>& groups = prepared_[item].mesh->groups;
     if (groups.empty() || groups.back().alpha != AlphaMode::blend) continue;
     one[0] = item;
-    for (const bool textured : {false, true}) draw_pass({textured, false, true, false}, one);
+    for (const bool textured : {false, true}) draw_pass({textured, false, true, false, prepared_[item].fades()}, one);
   }
   gl_.disable(GL_BLEND);
   gl_.depth_mask(GL_TRUE);
@@ -458,6 +468,7 @@ void Renderer33::draw_pass(const Pass& pass, const std::vector<uint32_t>& order)
     gl_.uniform_1i(program.has_normals, item.mesh->has_normals ? 1 : 0);
     gl_.uniform_1i(program.has_colors, item.mesh->has_colors ? 1 : 0);
     gl_.uniform_1ui(program.node, index_of(item.node));
+    if (pass.fading) gl_.uniform_2fv(program.fade, 1, glm::value_ptr(item.fade));
     gl_.front_face(item.mirrored ? GL_CW : GL_CCW);
     gl_.bind_vertex_array(item.mesh->vertex_array);
     if (one_sided) draw_item(program, pass, item, false);
@@ -537,8 +548,11 @@ Result<std::vector<uint32_t>> Renderer33::read_nodes() {
   gl_.clear_bufferuiv(GL_COLOR, 0, kBackground);
   clear_depth();
   const DrawCounts counts = counts_;
-  draw_pass({false, false, false, true}, as_given_);
-  for (const bool textured : {false, true}) draw_pass({textured, true, false, true}, as_given_);
+  for (const bool fading : {false, true}) {
+    const std::vector<uint32_t>& items = fading ? fading_ : whole_;
+    draw_pass({false, false, false, true, fading}, items);
+    for (const bool textured : {false, true}) draw_pass({textured, true, false, true, fading}, items);
+  }
   counts_ = counts;
   std::vector<uint32_t> ids = target_.read_ids();
   PROMENADE_TRY(check("drawing node ids"));

@@ -42,6 +42,7 @@ uniform sampler2D picture;
 uniform int has_normals;
 uniform int opaque;
 uniform uint node;
+uniform vec2 fade;
 uniform vec3 to_sun, sun, sky_ambient, ground_ambient;
 #ifdef IDS
 out uint result;
@@ -58,7 +59,21 @@ vec3 facing_normal() {
   return dot(n, from_eye) < 0.0 ? n : -n;
 }
 
+#ifdef FADING
+// In (0, 1), each of 64 values once in 8 x 8 pixels, near ones far apart: the bits of x ^ y and y, turned around.
+float door_threshold() {
+  ivec2 at = ivec2(gl_FragCoord.xy) & 7;
+  int x = at.x ^ at.y, y = at.y;
+  int rank = (x & 1) << 5 | (y & 1) << 4 | (x & 2) << 2 | (y & 2) << 1 | (x & 4) >> 1 | (y & 4) >> 2;
+  return (float(rank) + 0.5) / 64.0;
+}
+#endif
+
 void main() {
+#ifdef FADING
+  float threshold = door_threshold();
+  if (threshold < fade.x || threshold >= fade.y) discard;
+#endif
   vec4 albedo = base_color * tint;
 #ifdef TEXTURED
   albedo *= texture(picture, uv);
@@ -149,6 +164,7 @@ GlProgram located(const GlFunctions& gl, GLuint id) {
   p.opaque = at("opaque");
   p.picture = at("picture");
   p.node = at("node");
+  p.fade = at("fade");
   p.to_sun = at("to_sun");
   p.sun = at("sun");
   p.sky_ambient = at("sky_ambient");
@@ -172,7 +188,8 @@ Result<GlProgram> build(const GlFunctions& gl, const std::string& vertex, const 
 }  // namespace
 
 Result<GlProgram> build_surface_program(const GlFunctions& gl, const SurfaceVariant& variant) {
-  const std::string head = fmt::format("#version 330 core\n{}{}{}", variant.textured ? "#define TEXTURED\n" : "",
+  const std::string head = fmt::format("#version 330 core\n{}{}{}{}", variant.fading ? "#define FADING\n" : "",
+                                       variant.textured ? "#define TEXTURED\n" : "",
                                        variant.masked ? "#define MASKED\n" : "", variant.ids ? "#define IDS\n" : "");
   return build(gl, head + kSurfaceVertex, head + kSurfaceFragment);
 }

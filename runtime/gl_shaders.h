@@ -15,7 +15,8 @@ namespace promenade {
 struct SurfaceVariant {
   bool textured = false;
   bool masked = false;
-  bool ids = false;  ///< writes the node's id instead of a colour
+  bool ids = false;     ///< writes the node's id instead of a colour
+  bool fading = false;  ///< only at the pixels of a part of an ordered pattern
 };
 
 /// A linked program and where its uniforms are; -1: it has none of that name.
@@ -23,7 +24,7 @@ struct GlProgram {
   GLuint id = 0;
   GLint clip_from_mesh = -1, eye_from_mesh = -1, model_from_mesh_normal = -1;
   GLint has_normals = -1, has_colors = -1;
-  GLint base_color = -1, alpha_cutoff = -1, opaque = -1, picture = -1, node = -1;
+  GLint base_color = -1, alpha_cutoff = -1, opaque = -1, picture = -1, node = -1, fade = -1;
   GLint to_sun = -1, sun = -1, sky_ambient = -1, ground_ambient = -1;
   GLint forward = -1, right = -1, up = -1, zenith = -1, horizon = -1, below = -1, depth = -1;
 };

@@ -144,6 +144,8 @@ void select(const Model& model, const SelectView& view, std::span<const uint8_t>
     select_by_time(selecting);
   else
     select_by_error(selecting);
+  const bool as_published = options.policy == Policy::lakhia || options.policy == Policy::none;
+  if (options.prefetch_s > 0 && !as_published) look_ahead(selecting);
   finish(selecting);
 }
 

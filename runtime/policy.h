@@ -14,6 +14,7 @@
 #include "layout/cell_front.h"
 #include "runtime/draw_costs.h"
 #include "runtime/priority_list.h"
+#include "runtime/soon_marks.h"
 #include "runtime/vlod_marks.h"
 
 namespace promenade {
@@ -98,6 +99,8 @@ struct SelectOptions {
   /// The eye is taken where it will be this much later, for priorities only ("slightly adjusted based on the user's
   /// velocity").
   double look_ahead_s = 0.25;
+  /// What will be wanted so much later on the way is loaded beforehand; 0: only what is wanted now, and its children.
+  double prefetch_s = 1;
   /// A node this many times its distance outside the frustum has frustumVis 0; linear between.
   double visibility_falloff = 0.5;
   /// A node's distance is at least this and this part of its box's diagonal, so that the eye may be inside it.
@@ -116,6 +119,7 @@ struct SelectView {
   std::span<const float> importance;
   /// The vLOD of the eye's cell; null: outside the cells, or not read yet: the tree alone serves.
   const VlodMarks* vlod = nullptr;
+  const SoonMarks* soon = nullptr;    ///< what the next cells see; null: not known
   const Box* cell = nullptr;          ///< the eye's cell; null: outside
   const FrontBound* bound = nullptr;  ///< of the cells' fronts; not null where `cell` is not
 };
@@ -125,6 +129,7 @@ struct SelectState {
   struct Node {
     float hysteresis = 0;
     uint32_t visited = 0, drawn = 0, refined = 0;  ///< frame of the last time, 0: never
+    uint32_t priced = 0;                           ///< the same
     uint32_t lacked = 0;                           ///< the same, drawn because finer nodes were wanted but not resident
   };
   std::vector<Node> nodes;

@@ -16,10 +16,8 @@ class ByError {
  private:
   bool ends_paths(NodeId id) const;
   void visit_wanted(NodeId root);
-  void prefetch_around(NodeId id);
 
   Selecting& s_;
-  std::vector<NodeId> stack_;
 };
 
 /// Whether the front that the policy asks for, whatever is resident, has the node.
@@ -31,21 +29,6 @@ bool ByError::ends_paths(NodeId id) const {
   if (s_.options.policy == Policy::front && s_.view.cell != nullptr)
     return ends_front(n, *s_.view.cell, *s_.view.bound);
   return s_.fine_enough(id);
-}
-
-/// Prices nodes beside the frustum that a turn of the head would show, as far as their error wants them.
-void ByError::prefetch_around(NodeId id) {
-  stack_.assign(1, id);
-  while (!stack_.empty()) {
-    const NodeId at = stack_.back();
-    stack_.pop_back();
-    s_.price(at);
-    const NodeRecord& n = s_.node(at);
-    const double distance_m = priority_distance(n, s_.sight, s_.options);
-    if (frustum_visibility(n, s_.sight, s_.options, distance_m) <= 0 || ends_paths(at)) continue;
-    for (const NodeId child : s_.model.children_of(at))
-      if (s_.may_be_seen(child)) stack_.push_back(child);
-  }
 }
 
 /// Walks down to the front that the error asks for, whatever is resident; visits parents before children.
@@ -60,10 +43,7 @@ void ByError::visit_wanted(NodeId root) {
     if (wanted) continue;
     for (const NodeId child : s_.model.children_of(id)) {
       if (!s_.may_be_seen(child)) continue;
-      if (!s_.visible(child)) {
-        if (s_.options.policy != Policy::none) prefetch_around(child);
-        continue;
-      }
+      if (!s_.visible(child)) continue;
       s_.price(child);
       s_.state.visits.push_back({child, static_cast<uint32_t>(i), 0, false});
     }

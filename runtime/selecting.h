@@ -32,9 +32,11 @@ class Selecting {
   bool fine_enough(NodeId id) const {
     const SelectState::Node& kept = state.nodes[index_of(id)];
     const bool was_finer = kept.refined != 0 && kept.refined + 1 == state.frame;
-    double bound = options.policy == Policy::feedback ? state.feedback_pixel_error : options.pixel_error;
-    if (was_finer) bound *= 1 - options.error_hysteresis;
+    const double bound = was_finer ? bound_px() * (1 - options.error_hysteresis) : bound_px();
     return error_px(node(id), sight, options.error_kind) <= bound;
+  }
+  double bound_px() const {
+    return options.policy == Policy::feedback ? state.feedback_pixel_error : options.pixel_error;
   }
   /// What the node's box may cover of the picture.
   double pixels_of(NodeId id) const {
@@ -55,7 +57,14 @@ class Selecting {
   float price(NodeId id) {
     const float priority = priority_of(model, id, sight, options);
     out.updates.push_back({id, priority});
+    state.nodes[index_of(id)].priced = state.frame;
     return priority;
+  }
+  /// The same for what no policy has priced.
+  void foresee(NodeId id, float importance) {
+    if (state.nodes[index_of(id)].priced == state.frame) return;
+    price(id);
+    out.updates.back().priority *= importance;
   }
 
   const Model& model;
@@ -74,6 +83,8 @@ class Selecting {
 void select_by_error(Selecting& selecting);
 /// Policies time_slices, lakhia and vlod_time_slices.
 void select_by_time(Selecting& selecting);
+/// Prices what may soon be asked for, after a policy has chosen.
+void look_ahead(Selecting& selecting);
 /// Policy cost_benefit.
 void select_by_benefit(Selecting& selecting);
 

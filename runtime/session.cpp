@@ -31,6 +31,9 @@ constexpr uint64_t kSelectBytesPerNode = sizeof(SelectState::Node) + sizeof(Sele
                                          sizeof(PriorityUpdate) + sizeof(NodeId) +
                                          2 * sizeof(uint32_t);  // and what fades remember
 
+/// Marks of the next cells share most nodes: what their list takes at most, in vLODs.
+constexpr uint64_t kMostSoonSets = 8;
+
 /// What cells take: their tables, the vLODs in memory, and marks on the tree for one of them.
 uint64_t cell_bytes(const ModelSource& source, const VlodStore& vlods) {
   const CellTables* cells = source.cells();
@@ -39,7 +42,8 @@ uint64_t cell_bytes(const ModelSource& source, const VlodStore& vlods) {
   for (uint32_t i = 0; i < cells->cells.size(); ++i)
     largest = std::max<uint64_t>(largest, source.vlod_nodes(CellId{i}));
   return cells->byte_size() + source.vlod_reader_bytes() + vlods.bound_bytes() +
-         source.model().tables.nodes.size() * sizeof(uint32_t) + largest * sizeof(NodeId);
+         source.model().tables.nodes.size() * (sizeof(uint32_t) + sizeof(uint8_t)) +
+         largest * sizeof(NodeId) * (1 + kMostSoonSets);
 }
 
 constexpr int kWarmUpFrames = 3;
@@ -72,6 +76,7 @@ struct Session::State {
   void look_back(const Camera& camera, double dt_s, SelectView& seen);
   void move_to(const Camera& camera, SelectView& seen, FrameRow& row);
   void use_vlod(CellId cell, FrameRow& row);
+  void foresee(CellId cell, SelectView& seen, FrameRow& row);
 
   const ModelSource& source;
   Renderer& renderer;
@@ -79,6 +84,7 @@ struct Session::State {
   Cursor cursor;
   VlodStore vlods;
   std::unique_ptr<VlodMarks> marks;  ///< null: the model has no cells
+  std::unique_ptr<SoonMarks> soon;   ///< null: the model has no cells
   std::optional<CellId> marked;      ///< the cell whose vLOD `marks` has
   std::unique_ptr<ResidentSet> set;
   std::unique_ptr<Loader> loader;
@@ -111,7 +117,10 @@ Result<Session> Session::open(const ModelSource& source, Renderer& renderer, con
   const LoaderOptions& loading = options.loader;
   state->set = std::make_unique<ResidentSet>(source, renderer, loading.memory_bytes, fixed, loading.eviction_margin);
   PROMENADE_TRY(state->set->load_roots(renderer));
-  if (source.cells() != nullptr) state->marks = std::make_unique<VlodMarks>(model);
+  if (source.cells() != nullptr) {
+    state->marks = std::make_unique<VlodMarks>(model);
+    state->soon = std::make_unique<SoonMarks>(model);
+  }
   state->loader = std::make_unique<Loader>(source, renderer, *state->set, &state->vlods, loading);
   state->view.model_origin = model.manifest.origin;
   state->view.lighting = options.lighting;
@@ -173,6 +182,25 @@ void Session::State::use_vlod(CellId cell, FrameRow& row) {
   row.delta_bytes = vlod->bytes_read;
 }
 
+/// Asks for the vLODs of the cell, of those that the eye may soon be in, and of the other neighbours; marks what the
+/// next cells see.
+void Session::State::foresee(CellId cell, SelectView& seen, FrameRow& row) {
+  const glm::dvec3 eye = seen.camera.pose.eye - source.model().manifest.origin;
+  const std::vector<RangeCell> range = range_cells(*source.cells(), cell, eye, seen.velocity_m_per_s, options.range);
+  row.range_cells = range.size();
+  std::vector<CellId> wanted = {cell};
+  std::map<CellId, std::shared_ptr<const Vlod>> there;
+  for (const RangeCell& next : range) {
+    wanted.push_back(next.cell);
+    if (std::shared_ptr<const Vlod> vlod = vlods.find(next.cell)) there.emplace(next.cell, std::move(vlod));
+  }
+  for (const CellId next : cursor.neighbours())
+    if (std::find(wanted.begin(), wanted.end(), next) == wanted.end()) wanted.push_back(next);
+  vlods.want(wanted);
+  soon->change_to(there);
+  seen.soon = soon.get();
+}
+
 /// Follows the eye through the cells, and asks for the vLODs of the cell that it is in and of those beside it.
 void Session::State::move_to(const Camera& camera, SelectView& seen, FrameRow& row) {
   const Cursor::Move move = cursor.move_to(camera.pose.eye - source.model().manifest.origin);
@@ -183,11 +211,7 @@ void Session::State::move_to(const Camera& camera, SelectView& seen, FrameRow& r
   seen.cell = &tables.cells[index_of(*row.cell)].box;
   seen.bound = &tables.bound;
   if (!uses_vlod(options.select.policy)) return;
-  if (row.cell_crossed || marked != row.cell) {
-    std::vector<CellId> wanted = cursor.neighbours();
-    wanted.insert(wanted.begin(), *row.cell);
-    vlods.want(wanted);
-  }
+  foresee(*row.cell, seen, row);
   use_vlod(*row.cell, row);
   row.vlod_missing = marked != row.cell;
   if (!row.vlod_missing) seen.vlod = marks.get();

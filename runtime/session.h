@@ -13,6 +13,7 @@
 #include "runtime/loader.h"
 #include "runtime/model_source.h"
 #include "runtime/policy.h"
+#include "runtime/range_cells.h"
 #include "runtime/renderer.h"
 
 namespace promenade {
@@ -35,6 +36,7 @@ struct SessionOptions {
   /// Frames that a switch between levels takes to fade; 0: switches pop. A fade draws both levels: policies that share
   /// out time are charged for it.
   uint32_t fade_frames = 8;
+  RangeOptions range;  ///< of the eye: whose cells' vLODs are read beforehand
   /// [funkhouser1993]'s semantics: how much each node matters, in [0, 1]; empty: all 1.
   std::vector<float> importance;
 };
@@ -59,6 +61,7 @@ struct FrameRow {
   std::optional<CellId> cell;    ///< the eye's; nullopt: outside
   bool cell_crossed = false;     ///< into another cell than in the frame before
   bool vlod_missing = false;     ///< the policy asks for the cell's vLOD, which is not read yet: the tree alone served
+  uint64_t range_cells = 0;      ///< that the eye may be in within the horizon
   uint64_t delta_nodes = 0;      ///< that came or went with the vLOD that is now used
   uint64_t delta_bytes = 0;      ///< that it took on disk
   std::vector<uint32_t> nodes_by_level;

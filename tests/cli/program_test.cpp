@@ -127,6 +127,37 @@ TEST_F(SmallCity, is_flown_through_within_its_bound_with_a_row_a_frame) {
   EXPECT_NE(page.find("data:image/jpeg;base64,"), std::string::npos);
 }
 
+TEST_F(SmallCity, study_policies_compares_them_on_one_path) {
+  const ProgramRun run = run_program(
+      "study policies city.prom --path city_walk.json --policies static,cost-benefit,vlod-time-slices --seconds 0.5 "
+      "--size 160x90 --renderer cpu --popping --report policies.html --json policies.json",
+      folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "policies.json");
+  ASSERT_EQ(figures["policies"].size(), 3U);
+  for (const json& row : figures["policies"]) {
+    for (const char* name : {"frame_ms_p50", "frame_ms_p99", "frame_ms_stddev", "response_ms_p99", "toggles_per_frame",
+                             "nodes_missing_mean", "popped_share_mean", "frame_noise_percent"})
+      EXPECT_TRUE(row[name].is_number()) << name;
+    EXPECT_FALSE(row.contains("frames")) << "totals only";
+    EXPECT_EQ(row.contains("default"), row["name"] == "vlod-time-slices");
+  }
+  const std::string page = read_text(folder() / "policies.html");
+  EXPECT_NE(page.find("</html>"), std::string::npos);
+  for (const char* name : {"static", "cost-benefit", "vlod-time-slices", "Frame time", "Resident"})
+    EXPECT_NE(page.find(name), std::string::npos) << name;
+  EXPECT_EQ(run_program("study policies city.prom --path city_walk.json --policies best", folder()).exit_code, 2);
+}
+
+TEST_F(SmallCity, flight_becomes_a_video_or_says_what_is_missing) {
+  const std::string fly = "fly city.prom --path city_walk.json --seconds 0.3 --size 161x91 --renderer cpu --video ";
+  const ProgramRun run = run_program(fly + "walk.mp4", folder());
+  if (run.err.find("no ffmpeg") != std::string::npos) GTEST_SKIP() << "no ffmpeg here";
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_GT(fs::file_size(folder() / "walk.mp4"), 1000U);
+  EXPECT_NE(run_program(fly + "walk.nothing", folder()).exit_code, 0) << "no such kind of video";
+}
+
 TEST_F(SmallCity, looks_the_same_from_the_model_at_full_detail_and_from_the_source) {
   const json key = json_in(folder() / "city_fly.json")["keys"][0];
   const std::string camera = key["eye"][0].dump() + "," + key["eye"][1].dump() + "," + key["eye"][2].dump() + "," +

@@ -77,7 +77,7 @@ TEST(Flight, slow_disk_gives_as_much_as_path_time_allows) {
 TEST(Flight, every_policy_flies_with_and_without_a_thread) {
   Wood model;
   JobMonitor monitor;
-  for (const Policy policy : {Policy::none, Policy::static_error, Policy::time_slices, Policy::lakhia})
+  for (const Policy policy : all_policies())
     for (const bool thread : {false, true}) {
       NullRenderer renderer;
       FlightOptions options = stepped(policy);
@@ -86,6 +86,54 @@ TEST(Flight, every_policy_flies_with_and_without_a_thread) {
       ASSERT_TRUE(report) << report.error().message;
       EXPECT_EQ(report->rows.back().nodes_drawn, 27U) << name_of(policy);
     }
+}
+
+TEST(Flight, settled_starts_with_all_detail_and_foretells_by_costs) {
+  Wood model;
+  NullRenderer renderer;
+  JobMonitor monitor;
+  FlightOptions options = stepped(Policy::static_error);
+  options.settle_first = true;
+  options.redraw_every = 5;
+  options.session.draw_costs = DrawCosts{{1e-3, 1e-4, 1e-6, 1e-3, 0}, false};
+  const Result<FlightReport> report = fly(model, renderer, standing(), options, nothing_there, monitor);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->rows.front().frame, 0U);
+  EXPECT_EQ(report->rows.front().nodes_drawn, 27U);
+  EXPECT_EQ(report->totals.toggles_per_frame, 0);
+  EXPECT_GT(report->rows.front().redraw_ms, 0);
+  EXPECT_EQ(report->rows[1].redraw_ms, 0);
+  for (const FrameRow& row : report->rows) EXPECT_GT(row.estimated_ms, 0);
+}
+
+TEST(Flight, switches_fade_for_as_many_frames_as_asked) {
+  Wood model;
+  JobMonitor monitor;
+  uint64_t faded = 0;
+  for (const uint32_t frames : {0U, 3U}) {
+    NullRenderer renderer;
+    FlightOptions options = stepped(Policy::static_error);
+    options.session.fade_frames = frames;
+    const Result<FlightReport> report = fly(model, renderer, standing(), options, nothing_there, monitor);
+    ASSERT_TRUE(report);
+    faded = 0;
+    for (const FrameRow& row : report->rows) faded += row.nodes_fading > 0 ? 1 : 0;
+    if (frames == 0) {
+      EXPECT_EQ(faded, 0U);
+    }
+  }
+  EXPECT_GE(faded, 3U);
+}
+
+TEST(Flight, toggles_while_loading_are_told_apart) {
+  Wood model;
+  NullRenderer renderer;
+  JobMonitor monitor;
+  const Result<FlightReport> report =
+      fly(model, renderer, standing(), stepped(Policy::static_error), nothing_there, monitor);
+  ASSERT_TRUE(report);
+  EXPECT_GT(report->totals.toggles_loading, 0U);
+  EXPECT_EQ(double(report->totals.toggles_loading), report->totals.toggles_per_frame * double(report->totals.frames));
 }
 
 TEST(Flight, real_time_takes_as_long_as_the_path) {

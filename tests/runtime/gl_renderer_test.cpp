@@ -107,6 +107,22 @@ TEST_P(OsmesaRenderer, node_ids_keep_all_their_bits) {
   EXPECT_TRUE(is_color(color_at(32, 32), 200, 100, 50));
 }
 
+TEST_P(OsmesaRenderer, fading_items_share_the_pixels_exactly) {
+  const MeshHandle one = add(square_at(10, 15), {colored(200, 100, 50)});
+  const MeshHandle other = add(square_at(10, 15), {colored(200, 100, 50)});
+  for (const float share : {0.25F, 0.5F, 0.8F}) {
+    draw({{one, kSeven, glm::mat4(1), 0, share}, {other, kEight, glm::mat4(1), share, 1}});
+    const std::vector<uint32_t> nodes = *renderer_->read_nodes();
+    size_t first = 0;
+    for (const uint32_t node : nodes) {
+      ASSERT_NE(node, 0xffffffffU) << "a hole";
+      first += node == 7 ? 1 : 0;
+    }
+    EXPECT_NEAR(double(first) / double(nodes.size()), double(share), 1.0 / 64);
+    EXPECT_TRUE(is_color(color_at(32, 32), 200, 100, 50));
+  }
+}
+
 TEST_P(OsmesaRenderer, back_faces_are_not_drawn_unless_two_sided) {
   Material sheet = colored(200, 100, 50);
   const MeshHandle away = add(square_at(10, 5, true), {sheet});

@@ -72,7 +72,8 @@ void expect_front(const Chooser& c) {
 }
 
 TEST(Policies, have_names) {
-  for (const char* name : {"none", "static", "time-slices", "lakhia", "front", "vlod", "vlod-time-slices"}) {
+  for (const char* name :
+       {"none", "static", "feedback", "cost-benefit", "time-slices", "lakhia", "front", "vlod", "vlod-time-slices"}) {
     ASSERT_TRUE(policy_named(name));
     EXPECT_EQ(name_of(*policy_named(name)), name);
   }
@@ -92,6 +93,22 @@ TEST(Static, refines_exactly_where_the_error_exceeds_the_bound) {
   EXPECT_THAT(choose().front, UnorderedElementsAre(model.left, model.right));
   EXPECT_EQ(choose.selection.triangles, 2000U);
   EXPECT_THAT(choose.selection.nodes_by_level, ElementsAre(0U, 2U));
+}
+
+TEST(Static, eye_on_the_line_between_two_levels_does_not_flicker) {
+  OneSplit model;
+  Chooser choose(model);
+  choose.options.policy = Policy::static_error;
+  choose.options.pixel_error = 3.2;  // just what 1 m shows 10 m away
+  uint64_t toggles = 0;
+  for (int i = 0; i < 20; ++i) {
+    choose.view.camera.pose.eye = {i % 2 == 0 ? -0.05 : 0.05, 0, 0};
+    choose();
+    toggles += choose.selection.toggles_up + choose.selection.toggles_down;
+  }
+  EXPECT_LE(toggles, 1U);
+  choose.view.camera.pose.eye = {-3, 0, 0};
+  EXPECT_THAT(choose().front, ElementsAre(model.top)) << "coarser when it is clearly fine enough";
 }
 
 TEST(Static, missing_child_shows_its_parent) {
@@ -162,7 +179,7 @@ TEST(Selection, fronts_are_fronts_whatever_is_resident) {
   model.grow(model.root({{5, -30, -2}, {9, 40, 2}}, 3), 3, 4);
   model.grow(model.root({{20, -80, -2}, {30, 20, 2}}, 5), 2, 5);
   std::mt19937 random(5);
-  for (const Policy policy : {Policy::none, Policy::static_error, Policy::time_slices, Policy::lakhia}) {
+  for (const Policy policy : all_policies()) {
     Chooser choose(model);
     choose.options.policy = policy;
     choose.options.time.target_ms = 1;
@@ -180,6 +197,26 @@ TEST(Selection, fronts_are_fronts_whatever_is_resident) {
       }
     }
   }
+}
+
+// --- looking ahead ------------------------------------------------------------------------------------------------
+
+TEST(LookAhead, prices_what_the_way_leads_to_but_does_not_draw_it) {
+  OneSplit model;
+  Chooser choose(model);
+  choose.options.policy = Policy::static_error;
+  choose.options.pixel_error = 4;  // 1 m shows as 3.2 pixels from 10 m, as 5.3 from 6 m
+  EXPECT_THAT(choose().front, ElementsAre(model.top));
+  EXPECT_EQ(choose.selection.updates.size(), 1U) << "standing";
+  choose.view.velocity_m_per_s = {4, 0, 0};
+  EXPECT_THAT(choose().front, ElementsAre(model.top));
+  ASSERT_EQ(choose.selection.updates.size(), 3U) << "where it is in a second both children are wanted";
+  for (const PriorityUpdate& u : choose.selection.updates)
+    if (u.node != model.top) {
+      EXPECT_LT(u.priority, node_priority(model.model(), u.node, choose.view, choose.options));
+    }
+  choose.options.prefetch_s = 0;
+  EXPECT_EQ(choose().updates.size(), 1U);
 }
 
 // --- time slices, by the numbers ----------------------------------------------------------------------------------

@@ -7,6 +7,8 @@
 #include "runtime/cursor.h"
 #include "runtime/flight.h"
 #include "runtime/policy.h"
+#include "runtime/range_cells.h"
+#include "runtime/soon_marks.h"
 #include "runtime/vlod_marks.h"
 #include "runtime/vlod_store.h"
 #include "tests/layout/cell_fixtures.h"
@@ -57,6 +59,77 @@ TEST(Cursor, follows_a_random_walk_as_the_tree_would) {
     cursor.move_to(eye);
     ASSERT_EQ(cursor.cell(), cell_at(tables, eye));
   }
+}
+
+// --- cells that the eye may soon be in ----------------------------------------------------------------------------
+
+std::vector<CellId> ids_of(const std::vector<RangeCell>& range) {
+  std::vector<CellId> ids;
+  for (const RangeCell& cell : range) ids.push_back(cell.cell);
+  return ids;
+}
+
+TEST(RangeCells, come_by_the_time_to_their_doors) {
+  const CellTables tables = three_cells();
+  RangeOptions options;
+  options.horizon_s = 10;
+  options.least_speed_m = 1;
+  options.cull = RangeCull::any;
+  const auto range = [&](const glm::dvec3& eye, const glm::dvec3& velocity) {
+    return range_cells(tables, CellId{0}, eye, velocity, options);
+  };
+  const std::vector<RangeCell> standing = range({1, 0.25, 1}, {0, 0, 0});
+  EXPECT_THAT(ids_of(standing), ElementsAre(CellId{1}, CellId{2}));
+  EXPECT_NEAR(standing[0].seconds, 1, 1e-9) << "a metre to the door at a metre a second";
+  EXPECT_NEAR(standing[1].seconds, std::min(std::hypot(1, 0.75), 1.75), 1e-9);
+  EXPECT_NEAR(range({1, 0.25, 1}, {4, 0, 0})[0].seconds, 0.25, 1e-9);
+  options.horizon_s = 1.1;
+  EXPECT_THAT(ids_of(range({1, 0.25, 1}, {0, 0, 0})), ElementsAre(CellId{1}));
+  options.horizon_s = 10;
+  options.most_cells = 1;
+  EXPECT_THAT(ids_of(range({1, 1.75, 1}, {0, 0, 0})), ElementsAre(CellId{2}));
+}
+
+TEST(RangeCells, directions_cull_what_lies_behind) {
+  const CellTables tables = three_cells();
+  RangeOptions options;
+  options.horizon_s = 10;
+  const auto range = [&](const glm::dvec3& velocity) {
+    return ids_of(range_cells(tables, CellId{0}, {1, 0.25, 1}, velocity, options));
+  };
+  options.cull = RangeCull::plane;
+  EXPECT_THAT(range({1, 0, 0}), ElementsAre(CellId{1}, CellId{2}));
+  EXPECT_THAT(range({-1, 0, 0}), IsEmpty());
+  EXPECT_THAT(range({0, 0, 0}), ElementsAre(CellId{1}, CellId{2})) << "standing: anywhere";
+  options.cull = RangeCull::direction;
+  EXPECT_THAT(range({1, 0, 0}), ElementsAre(CellId{1}));
+  EXPECT_THAT(range({1, 1, 0}), ElementsAre(CellId{2})) << "met at (2, 1.25)";
+}
+
+TEST(RangeCells, walls_without_doors_are_not_walked_through) {
+  CellTables tables = three_cells();
+  tables.faces[0].portal_count = 0;
+  RangeOptions options;
+  options.horizon_s = 10;
+  options.least_speed_m = 1;
+  const std::vector<RangeCell> range = range_cells(tables, CellId{0}, {1, 0.25, 1}, {0, 0, 0}, options);
+  ASSERT_THAT(ids_of(range), ElementsAre(CellId{2}, CellId{1})) << "by the other room";
+  EXPECT_NEAR(range[1].seconds, std::hypot(1, 0.75), 1e-9) << "the doors meet in a corner";
+}
+
+TEST(SoonMarks, are_the_union_of_what_the_next_cells_see) {
+  Forest model;
+  model.grow(model.root({{10, -8, -1}, {10.5F, 8, 1}}, 2), 3, 2);  // ids: 0, then 1 2 3 with their children after
+  SoonMarks soon(model.model());
+  const auto set = [](std::vector<NodeId> nodes) { return std::make_shared<const Vlod>(Vlod{std::move(nodes), 0}); };
+  const NodeId leaf = model.model().children_of(NodeId{1}).front();
+  soon.change_to({{CellId{1}, set({leaf})}, {CellId{2}, set({NodeId{2}})}});
+  EXPECT_TRUE(soon.has(leaf) && soon.has(NodeId{2}));
+  EXPECT_TRUE(soon.leads_to_some(NodeId{0}) && soon.leads_to_some(NodeId{1}));
+  EXPECT_FALSE(soon.has(NodeId{1}) || soon.leads_to_some(NodeId{3}));
+  soon.change_to({{CellId{2}, set({NodeId{2}})}});
+  EXPECT_FALSE(soon.leads_to_some(NodeId{1}) || soon.leads_to_some(leaf));
+  EXPECT_TRUE(soon.has(NodeId{2}) && soon.leads_to_some(NodeId{0}));
 }
 
 // --- marks --------------------------------------------------------------------------------------------------------
