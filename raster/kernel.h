@@ -156,15 +156,21 @@ struct Layer {
   const uint32_t* id;
 };
 
-constexpr int32_t kSmoothRows = 20, kSmoothPadding = 48;
+constexpr int32_t kSmoothRows = 10, kSmoothPadding = 48;
+constexpr int32_t kSmoothChunk = 16;  ///< pixels that are looked at together, whatever the processor
 
-/// Edges of the picture `in` smoothed into `out`; both RGBA8, rows of the picture's width.
+constexpr int32_t kStrengths = 256;
+
+/// Edges of the picture `in` smoothed into `out`; both RGBA8, rows of the picture's width. In two passes: how much each
+/// pixel differs from its neighbours, then those that differ enough.
 struct Smoothing {
   const uint32_t* in;
   uint32_t* out;
-  int32_t* room;             ///< for kSmoothRows rows of `stride`
+  int32_t* room;             ///< for kSmoothRows rows of `stride`; finding only
+  uint8_t* strength;         ///< rows of `stride`: largest difference of a channel from a neighbour across an edge
+  uint32_t* counts;          ///< kStrengths a row of tiles: pixels of each strength above 0
   int32_t stride;            ///< at least the picture's width and kSmoothPadding
-  int32_t least_difference;  ///< of any channel, for a pixel border to be smoothed
+  int32_t least_difference;  ///< strength of the pixels to be smoothed
 };
 
 /// One processor's kernels.
@@ -177,6 +183,7 @@ struct Kernels {
   void (*shade)(const Frame&, const Shading&, int32_t tile_row);
   /// Blends layers, the nearest first, over the picture that shade left.
   void (*shade_layers)(const Frame&, const Shading&, const Layer*, int32_t count, int32_t tile_row);
+  void (*find_edges)(const Frame&, const Smoothing&, int32_t tile_row);
   void (*smooth)(const Frame&, const Shading&, const Smoothing&, int32_t tile_row);
 };
 

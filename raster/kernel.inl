@@ -649,6 +649,57 @@ PROMENADE_INLINE uint32_t set_up_small(const Frame& f, const Region& r, LaneCorn
   return left;
 }
 
+/// Writes one pixel for each of the lanes: the pixel (dx, dy) beyond the first of its triangle's rectangle.
+PROMENADE_INLINE void write_single_pixels(const Frame& f, Region& r, const Batch& s, uint32_t lanes, int32_t dx,
+                                          int32_t dy) {
+  const I px = load(s.px0) + splat(dx), py = load(s.py0) + splat(dy), three = splat(3), four = splat(4);
+  const I tx = shift_right<3>(px), ty = shift_right<3>(py);
+  const I at = shift_left<6>(ty * splat(f.tiles_x) + tx) +
+               ((shift_left<3>(py & four) | shift_left<2>(px & four)) | (shift_left<2>(py & three) | (px & three)));
+  const I local = (ty - splat(r.ty0)) * splat(r.stride) + (tx - splat(r.tx0));
+  const F x = to_float(shift_left<8>(px) + splat(kSubpixel / 2 - f.axis_x)),
+          y = to_float(shift_left<8>(py) + splat(kSubpixel / 2 - f.axis_y));
+  const F plane = load(s.gx) * (x - load(s.x0)) + (load(s.gy) * (y - load(s.y0)) + load(s.z0));
+  alignas(64) int32_t places[kLanes], tiles[kLanes];
+  alignas(64) float depths[kLanes];
+  store(places, at), store(tiles, local);
+  store(depths, min(max(plane, load(s.z_min)), load(s.z_max)));
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int t = __builtin_ctz(lanes);
+    const float z = depths[t], old = f.z[places[t]];
+    if (z < old) continue;
+    const uint32_t id = static_cast<uint32_t>(s.id[t]);
+    if (!(z > old) && id >= f.id[places[t]]) continue;
+    f.z[places[t]] = z, f.id[places[t]] = id, r.dirty[tiles[t]] = 1;
+  }
+}
+
+/// Draws those of the triangles that lie within 2 x 2 pixels, and returns the others. Most of such triangles cover one
+/// pixel's centre or none; all are asked at once.
+PROMENADE_INLINE uint32_t draw_tiny(const Frame& f, Region& r, const Batch& s, uint32_t lanes) {
+  const I px0 = load(s.px0), py0 = load(s.py0), two = splat(2);
+  const uint32_t tiny = lanes & bits((load(s.px1) - px0 < two) & (load(s.py1) - py0 < two));
+  if (tiny == 0) return lanes;
+  const F x = to_float(px0 & splat(3)), y = to_float(py0 & splat(3)), zero = splat(0.0F);
+  F e[3], a[3], b[3];
+  for (int i = 0; i < 3; ++i) {
+    a[i] = load(s.a[i]), b[i] = load(s.b[i]);
+    e[i] = load(s.e[i]) + (a[i] * x + b[i] * y);  // whole numbers: exact
+  }
+  // Pixels beyond the rectangle: the triangle does not reach them, or they belong to another region.
+  const uint32_t wide = bits(load(s.px1) > px0), high = bits(load(s.py1) > py0);
+  const uint32_t one = tiny & bits(min(min(e[0], e[1]), e[2]) >= zero);
+  const uint32_t right = tiny & wide & bits(min(min(e[0] + a[0], e[1] + a[1]), e[2] + a[2]) >= zero);
+  const uint32_t below = tiny & high & bits(min(min(e[0] + b[0], e[1] + b[1]), e[2] + b[2]) >= zero);
+  const uint32_t both =
+      tiny & wide & high & bits(min(min(e[0] + (a[0] + b[0]), e[1] + (a[1] + b[1])), e[2] + (a[2] + b[2])) >= zero);
+  if (one != 0) write_single_pixels(f, r, s, one, 0, 0);
+  if (right != 0) write_single_pixels(f, r, s, right, 1, 0);
+  if (below != 0) write_single_pixels(f, r, s, below, 0, 1);
+  if (both != 0) write_single_pixels(f, r, s, both, 1, 1);
+  return lanes & ~tiny;
+}
+
 /// Triangles of a block that need the long way: large, or clipped.
 template <Coverage C, bool kMasked>
 void draw_long_way(const Frame& f, const Item& item, const Block& block, Region& r, const BlockVertices& v,
@@ -715,6 +766,7 @@ void draw_block(const Frame& frame, const Item& item, const Block& block, Region
         load(reinterpret_cast<const int32_t*>(item.triangle_of) + at) + splat(static_cast<int32_t>(item.first_id));
     store(s.id, ids);
     r.counts.triangles_drawn += static_cast<uint64_t>(__builtin_popcount(small));
+    if constexpr (C == Coverage::center && !kMasked) small = draw_tiny(f, r, s, small);
     for (; small != 0; small &= small - 1) {
       const int t = __builtin_ctz(small);
       MaskTriangle mask;
@@ -745,6 +797,18 @@ PROMENADE_INLINE bool left_out(const Frame& f, const Item& item, const Block& bl
   return (block.flags & block_blended) != 0 ? !f.draw_blended : !f.draw_solid;
 }
 
+/// Asks memory for what drawing a block will read: short runs that no processor foresees.
+PROMENADE_INLINE void ask_for_block(const Item& item, const Block& block) {
+  constexpr uint32_t kLine = 64;
+  for (uint32_t i = 0; i < block.vertex_count; i += kLine / sizeof(float)) {
+    const uint32_t at = block.first_vertex + i;
+    __builtin_prefetch(item.x + at), __builtin_prefetch(item.y + at), __builtin_prefetch(item.z + at);
+  }
+  for (uint32_t i = 0; i < block.triangle_count; i += kLine / sizeof(uint32_t))
+    __builtin_prefetch(item.triangle_of + block.first_triangle + i);
+  for (const uint8_t* corners : item.corners) __builtin_prefetch(corners + block.first_triangle);
+}
+
 template <Coverage C>
 void draw_item(const Frame& f, const Item& item, const BoxPicture& item_box, Region& r) {
   if (!may_be_seen(f, r, item_box)) {
@@ -765,6 +829,7 @@ void draw_item(const Frame& f, const Item& item, const BoxPicture& item_box, Reg
       continue;
     }
     ++r.counts.blocks_drawn;
+    if (i + 1 < item.block_count) ask_for_block(item, item.blocks[i + 1]);
     // Conservative: what has holes hides nothing, and may show anywhere.
     const bool in_part = item.fading || (block.flags & block_masked) != 0 || f.before_z != nullptr;
     if (C == Coverage::center && in_part)
@@ -826,4 +891,5 @@ void clear(const Frame& f, Region& r) {
 
 #include "raster/kernel_smooth.inl"
 
-constexpr Kernels kKernels = {kLanes, project_box, clear, clear_layer, draw, shade_row, shade_layers_row, smooth_row};
+constexpr Kernels kKernels = {kLanes,    project_box,      clear,          clear_layer, draw,
+                              shade_row, shade_layers_row, find_edges_row, smooth_row};

@@ -33,8 +33,9 @@ void blend_layer(const Frame& f, const Shading& s, const Layer& layer, int32_t t
   alignas(64) int32_t which[kTilePixels];
   alignas(64) float opacity[kTilePixels];
   const float* z = layer.z + tile;
-  set_up_tile(f, s, z, layer.id + tile, tx, ty, t, fn, which);
+  find_distinct(f, z, layer.id + tile, t, which);
   if (t.count == 0) return;
+  set_up_tile(f, s, tx, ty, t, fn);
   find_opacities(f, s, t, which, z, tx, ty, opacity);
   for (int i = 0; i < kTilePixels; i += kLanes) {
     const I shown = load(which + i);

@@ -88,19 +88,25 @@ PROMENADE_INLINE void to_model(const Item& item, float* p) {
         (item.model_rows[i][0] * x + item.model_rows[i][1] * y) + (item.model_rows[i][2] * z + item.model_rows[i][3]);
 }
 
-/// Asks for what fetch_triangle will read, for all triangles at once: they lie anywhere in memory.
-void prefetch_triangles(const Shading& s, const TileTriangles& t) {
-  for (int32_t k = 0; k < t.count; ++k) {
-    const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
-    if (item.indices != nullptr) __builtin_prefetch(item.indices + 3 * static_cast<uint64_t>(t.id[k] - item.first_id));
-  }
+/// Ask for what fetch_triangle will read of all triangles at once, because they lie anywhere in memory: first for their
+/// corners' numbers, then for what these name.
+void ask_for_triangles(const Shading& s, const TileTriangles& t) {
   for (int32_t k = 0; k < t.count; ++k) {
     const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
     if (item.indices == nullptr) continue;
-    const uint64_t at = item.indices[3 * static_cast<uint64_t>(t.id[k] - item.first_id)];
-    __builtin_prefetch(item.positions + 3 * at);
-    if (item.texcoords != nullptr) __builtin_prefetch(item.texcoords + 2 * at);
-    if (item.normals != nullptr) __builtin_prefetch(item.normals + 3 * at);
+    const uint64_t triangle = t.id[k] - item.first_id;
+    __builtin_prefetch(item.indices + 3 * triangle);
+    if (item.materials != nullptr) __builtin_prefetch(item.materials + triangle);
+  }
+}
+void ask_for_corners(const Shading& s, const TileTriangles& t) {
+  for (int32_t k = 0; k < t.count; ++k) {
+    const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
+    if (item.indices == nullptr) continue;
+    const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(t.id[k] - item.first_id);
+    for (int i = 0; i < 3; ++i) __builtin_prefetch(item.positions + 3 * static_cast<uint64_t>(index[i]));
+    if (item.texcoords != nullptr) __builtin_prefetch(item.texcoords + 2 * static_cast<uint64_t>(index[0]));
+    if (item.normals != nullptr) __builtin_prefetch(item.normals + 3 * static_cast<uint64_t>(index[0]));
   }
 }
 
@@ -301,7 +307,7 @@ PROMENADE_INLINE void sample_level(const Surface& surface, F u, F v, I level, M 
   const Texture& t = *surface.texture;
   const I zero = splat(0), width = max(shift_right_by(splat(static_cast<int32_t>(t.width)), level), splat(1));
   const I height = max(shift_right_by(splat(static_cast<int32_t>(t.height)), level), splat(1));
-  const I offset = gather(reinterpret_cast<const int32_t*>(t.level_offset), level);
+  const I offset = Table16(t.level_offset)[level];
   const F fu = wrapped(u, surface.wrap_u, width), fv = wrapped(v, surface.wrap_v, height);
   const F whole_u = floor(fu), whole_v = floor(fv), sy = fv - whole_v;
   F sx = fu - whole_u;
@@ -338,16 +344,19 @@ PROMENADE_INLINE F rough_log2(F a) {
   return exponent + m * (splat(1.3465F) - m * splat(0.3465F));
 }
 
-/// Trilinear at one place of each lane's footprint.
+/// Trilinear at one place of each lane's footprint. Levels are blended in the middle half between them only: nobody
+/// sees it, and often one level is enough.
 PROMENADE_INLINE void sample_mips(const Surface& surface, F u, F v, F lod, M active, F* out) {
-  const F whole = floor(lod), share = lod - whole;
+  const F zero = splat(0.0F), one = splat(1.0F);
+  const F whole = floor(lod + splat(0.25F));  // from there on the level is the next one
+  const F share = max(min((lod - whole) * splat(2.0F) - splat(0.5F), one), zero);
   const I level = truncate(whole);
   sample_level(surface, u, v, level, active, out);
-  const M between = active & (share > splat(0.0F));
+  const M between = active & (share > zero);
   if (bits(between) == 0) return;
   F coarse[3];
   const I next = min(level + splat(1), splat(static_cast<int32_t>(surface.texture->levels - 1)));
-  sample_level(surface, u, v, next, active, coarse);
+  sample_level(surface, u, v, next, between, coarse);
   for (int c = 0; c < 3; ++c) out[c] = out[c] + share * (coarse[c] - out[c]);
 }
 
@@ -433,12 +442,10 @@ PROMENADE_INLINE float first_center(int32_t tile, int32_t axis) {
   return static_cast<float>(tile * kTile * kSubpixel + kSubpixel / 2 - axis);
 }
 
-/// Brings the triangles of a tile, and their attributes as functions over it, into place. which: as find_distinct's.
-void set_up_tile(const Frame& f, const Shading& s, const float* z, const uint32_t* id, int32_t tx, int32_t ty,
-                 TileTriangles& t, TileFunctions& fn, int32_t* which) {
-  find_distinct(f, z, id, t, which);
+/// Brings the triangles of a tile, which find_distinct has found, and their attributes as functions over it, into
+/// place.
+void set_up_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, TileTriangles& t, TileFunctions& fn) {
   t.surface_count = 0, t.varying = false;
-  if (t.count > 2) prefetch_triangles(s, t);
   for (int32_t k = 0; k < t.count; ++k) fetch_triangle(s, t, k);
   for (int32_t k = 0; k < t.count; k += kLanes) {
     light_corners(s, t, k);
@@ -467,15 +474,21 @@ PROMENADE_INLINE void color_lanes(const Frame& f, const Shading& s, const TileTr
   if (t.surface_count > 0) apply_textures(f, t, fn, seen, covered, at.dx, at.dy, w, s.anisotropy, color);
 }
 
-void shade_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, TileTriangles& t, TileFunctions& fn) {
-  const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
+/// A tile on its way to its colours.
+struct ShadedTile {
+  TileTriangles triangles;
   alignas(64) int32_t which[kTilePixels];
-  set_up_tile(f, s, f.z + tile, f.id + tile, tx, ty, t, fn, which);
+};
+
+void shade_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, ShadedTile& shaded, TileFunctions& fn) {
+  const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
+  TileTriangles& t = shaded.triangles;
+  set_up_tile(f, s, tx, ty, t, fn);
   const F x = splat(first_center(tx, f.axis_x)), y = splat(first_center(ty, f.axis_y)),
           pixel = splat(static_cast<float>(kSubpixel));
   for (int i = 0; i < kTilePixels; i += kLanes) {
     const LanePlace at(i);
-    const I shown = load(which + i);
+    const I shown = load(shaded.which + i);
     const M covered = shown > splat(-1);
     const uint32_t lanes = bits(covered);
     I out = splat(static_cast<int32_t>(s.plain));
@@ -496,10 +509,21 @@ void shade_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, TileTr
   }
 }
 
+/// Tile by tile; the triangles of a tile are asked for two tiles ahead, their corners one.
 void shade_row(const Frame& f, const Shading& s, int32_t ty) {
-  TileTriangles t;
+  constexpr int32_t kAhead = 3;
+  ShadedTile tiles[kAhead];
   TileFunctions fn;
   // Lanes beyond the last triangle are computed and never looked at; they must only be numbers.
-  __builtin_memset(&t, 0, sizeof t);
-  for (int32_t tx = 0; tx < f.tiles_x; ++tx) shade_tile(f, s, tx, ty, t, fn);
+  __builtin_memset(tiles, 0, sizeof tiles);
+  for (int32_t tx = 0; tx < f.tiles_x + kAhead - 1; ++tx) {
+    if (tx < f.tiles_x) {
+      const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
+      ShadedTile& next = tiles[tx % kAhead];
+      find_distinct(f, f.z + tile, f.id + tile, next.triangles, next.which);
+      ask_for_triangles(s, next.triangles);
+    }
+    if (tx >= 1 && tx <= f.tiles_x) ask_for_corners(s, tiles[(tx - 1) % kAhead].triangles);
+    if (tx >= kAhead - 1) shade_tile(f, s, tx - (kAhead - 1), ty, tiles[(tx - (kAhead - 1)) % kAhead], fn);
+  }
 }

@@ -8,6 +8,7 @@
 // beside it, and the pixel keeps its colour. Of surfaces with holes the opacity is taken as linear across the pixel.
 
 constexpr int kPlaces = 16;
+constexpr uint32_t kAllPlaces = (1U << kPlaces) - 1U;
 constexpr int kFewPlaces = 6;  // a triangle that covers fewer is small
 
 /// Places in a pixel, pixels from its centre: each column and each row of 16 once (Hammersley's points).
@@ -25,45 +26,71 @@ constexpr Places places_in_pixel() {
 }
 constexpr Places kPlacesInPixel = places_in_pixel();
 
-/// A triangle over the picture: functions of (x, y, 1), sub-pixels from the axis.
+/// A triangle over the picture near one of its pixels: its barycentric coordinates over w (all >= 0 inside) and, last,
+/// its depth, as functions of pixels from (x, y), which lies in sub-pixels from the axis.
 struct EdgeTriangle {
   uint32_t id = kNoSurface;
   bool usable = false;  ///< false: what it covers cannot be told from its corners
-  double corner[3][3];  ///< barycentric coordinates over w: all >= 0 inside
-  double depth[3];      ///< as in the picture
-  MaskTriangle mask;    ///< surface null: no holes
+  int32_t px = 0;       ///< the pixel about which it was set up
+  float x = 0, y = 0;
+  float at[4] = {}, dx[4] = {}, dy[4] = {};
+  bool holes = false;
+  MaskTriangle mask;  ///< set only if it has holes
 };
 
-void set_up_edge_triangle(const Frame& f, const Shading& s, uint32_t id, EdgeTriangle& e) {
-  e.id = id, e.usable = false;
+/// The corners as seen from the pixel, so that little triangles keep their precision wherever they lie; sets w.
+PROMENADE_INLINE void corners_about(const Frame& f, const Item& item, uint32_t triangle, float x, float y, ViewPoint* p,
+                                    float* depth) {
+  const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(triangle);
+  for (int i = 0; i < 3; ++i) {
+    const float* at = item.positions + 3 * static_cast<uint64_t>(index[i]);
+    p[i] = view_point(item, at[0], at[1], at[2]);
+    depth[i] = f.orthographic ? -p[i].w : 1.0F;
+    if (f.orthographic) p[i].w = 1.0F;
+    p[i].x = p[i].x - x * p[i].w, p[i].y = p[i].y - y * p[i].w;
+  }
+}
+
+void set_up_edge_triangle(const Frame& f, const Shading& s, uint32_t id, int32_t px, float x, float y,
+                          EdgeTriangle& e) {
+  e.id = id, e.px = px, e.x = x, e.y = y, e.usable = false, e.holes = false;
   const Item& item = s.items[s.item_of_run[id >> s.run_bits]];
   if (item.indices == nullptr || item.fading) return;
   const uint32_t triangle = id - item.first_id;
-  set_up_mask(f, item, triangle, e.mask);
-  if (e.mask.surface != nullptr && e.mask.surface->alpha != 1) return;  // seen through
-  ViewPoint p[3];
-  double w[3];
-  for (int i = 0; i < 3; ++i) {
-    const float* at =
-        item.positions +
-        3 * static_cast<uint64_t>(item.indices[3 * static_cast<uint64_t>(triangle) + static_cast<uint64_t>(i)]);
-    p[i] = view_point(item, at[0], at[1], at[2]);
-    w[i] = f.orthographic ? -double(p[i].w) : 1.0;
-    if (f.orthographic) p[i].w = 1.0F;
+  const uint32_t material = item.materials == nullptr ? 0 : item.materials[triangle];
+  if (item.surfaces != nullptr && material < item.surface_count && item.surfaces[material].alpha != 0) {
+    if (item.surfaces[material].alpha != 1) return;  // seen through
+    set_up_mask(f, item, triangle, e.mask);
+    e.holes = true;
   }
-  const double corners[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  if (!linear_over(p, corners, 3, e.corner)) return;
-  for (int k = 0; k < 3; ++k) e.depth[k] = w[0] * e.corner[0][k] + w[1] * e.corner[1][k] + w[2] * e.corner[2][k];
+  ViewPoint p[3];
+  float depth[3], n[3][3];
+  corners_about(f, item, triangle, x, y, p, depth);
+  for (int i = 0; i < 3; ++i) {
+    const ViewPoint &q = p[i == 2 ? 0 : i + 1], &r = p[i == 0 ? 2 : i - 1];
+    n[i][0] = q.y * r.w - q.w * r.y, n[i][1] = q.w * r.x - q.x * r.w, n[i][2] = q.x * r.y - q.y * r.x;
+  }
+  const float det = (p[0].x * n[0][0] + p[0].y * n[0][1]) + p[0].w * n[0][2];
+  const float inverse = 1.0F / det;
+  if (!(abs_of(det) > 0) || !(abs_of(inverse) < kFloatMax)) return;
+  e.at[3] = 0, e.dx[3] = 0, e.dy[3] = 0;
+  for (int i = 0; i < 3; ++i) {
+    e.at[i] = n[i][2] * inverse;
+    e.dx[i] = n[i][0] * inverse * static_cast<float>(kSubpixel),
+    e.dy[i] = n[i][1] * inverse * static_cast<float>(kSubpixel);
+    e.at[3] += depth[i] * e.at[i], e.dx[3] += depth[i] * e.dx[i], e.dy[3] += depth[i] * e.dy[i];
+  }
   e.usable = true;
 }
 
 /// The triangles met last; a row of tiles meets the same ones again and again.
 struct EdgeTriangles {
-  static constexpr uint32_t kSlots = 64;
-  EdgeTriangle slots[kSlots];
-  const EdgeTriangle& at(const Frame& f, const Shading& s, uint32_t id) {
-    EdgeTriangle& e = slots[(id * 0x9e3779b1U) >> 26];
-    if (e.id != id) set_up_edge_triangle(f, s, id, e);
+  static constexpr int kSlotBits = 7;
+  static constexpr int32_t kReach = 64;  // pixels: farther away, a function's precision is not enough
+  EdgeTriangle slots[1 << kSlotBits];
+  const EdgeTriangle& at(const Frame& f, const Shading& s, uint32_t id, int32_t px, float x, float y) {
+    EdgeTriangle& e = slots[(id * 0x9e3779b1U) >> (32 - kSlotBits)];
+    if (e.id != id || px - e.px > kReach) set_up_edge_triangle(f, s, id, px, x, y, e);
     return e;
   }
 };
@@ -73,10 +100,6 @@ struct PixelFunction {
   float at, dx, dy;
   PROMENADE_INLINE F over(F x, F y) const { return splat(at) + (splat(dx) * x + splat(dy) * y); }
 };
-PROMENADE_INLINE PixelFunction across(const double* v, double x, double y) {
-  return {static_cast<float>(v[0] * x + v[1] * y + v[2]), static_cast<float>(v[0] * kSubpixel),
-          static_cast<float>(v[1] * kSubpixel)};
-}
 
 /// Opacity less the cut-off.
 PixelFunction opacity_across(const MaskTriangle& m, const PixelFunction& z, float x, float y) {
@@ -88,27 +111,26 @@ PixelFunction opacity_across(const MaskTriangle& m, const PixelFunction& z, floa
   return {here - m.surface->alpha_cutoff, opacity(1, 0) - here, opacity(0, 1) - here};
 }
 
-/// The places of a pixel: which of its five triangles is nearest there, -1 none.
-struct PlaceOwners {
-  alignas(64) float z[kPlaces];
-  alignas(64) int32_t owner[kPlaces];
-};
-
-/// Lets a triangle take the places that it covers nearest. x, y: the pixel's centre, sub-pixels from the axis.
-void take_places(const Frame& f, const EdgeTriangle& e, int32_t number, double x, double y, PlaceOwners& o) {
-  const PixelFunction corner[3] = {across(e.corner[0], x, y), across(e.corner[1], x, y), across(e.corner[2], x, y)};
-  const PixelFunction depth = across(e.depth, x, y);
+/// Lets a triangle take the places that it covers nearest; returns which. x, y: the pixel's centre, sub-pixels from the
+/// axis; z: the nearest depth at each place so far.
+PROMENADE_INLINE uint32_t take_places(const Frame& f, const EdgeTriangle& e, float x, float y, float* z) {
+  const float across = (x - e.x) * (1.0F / kSubpixel), down = (y - e.y) * (1.0F / kSubpixel);
+  PixelFunction fn[4];
+  for (int i = 0; i < 4; ++i) fn[i] = {e.at[i] + (e.dx[i] * across + e.dy[i] * down), e.dx[i], e.dy[i]};
   PixelFunction solid = {1, 0, 0};
-  if (e.mask.surface != nullptr) solid = opacity_across(e.mask, depth, static_cast<float>(x), static_cast<float>(y));
+  if (e.holes) solid = opacity_across(e.mask, fn[3], x, y);
   const F zero = splat(0.0F), nearest = splat(f.orthographic ? -f.near_m : 1.0F / f.near_m);
+  uint32_t taken = 0;
   for (int i = 0; i < kPlaces; i += kLanes) {
-    const F px = load(kPlacesInPixel.x + i), py = load(kPlacesInPixel.y + i), old = load(o.z + i);
-    const F inside = min(min(corner[0].over(px, py), corner[1].over(px, py)), corner[2].over(px, py));
-    const F z = depth.over(px, py);
-    const M taken = (inside >= zero) & (solid.over(px, py) >= zero) & (z > old) & (z <= nearest);
-    store(o.z + i, select(taken, z, old));
-    store(o.owner + i, select(taken, splat(number), load(o.owner + i)));
+    const F px = load(kPlacesInPixel.x + i), py = load(kPlacesInPixel.y + i), old = load(z + i);
+    const F inside = min(min(fn[0].over(px, py), fn[1].over(px, py)), fn[2].over(px, py));
+    const F here = fn[3].over(px, py);
+    M wins = (inside >= zero) & (here > old) & (here <= nearest);
+    if (e.holes) wins = wins & (solid.over(px, py) >= zero);
+    store(z + i, select(wins, here, old));
+    taken |= bits(wins) << i;
   }
+  return taken;
 }
 
 /// A pixel and its left, right, upper and lower neighbours.
@@ -142,30 +164,42 @@ int32_t mean_color(const Shading& s, const Five& five, const int* places) {
 
 int32_t smoothed_pixel(const Frame& f, const Shading& s, EdgeTriangles& triangles, const Five& five, int32_t px,
                        int32_t py) {
-  PlaceOwners o;
-  for (int i = 0; i < kPlaces; ++i) o.z[i] = f.clear_z, o.owner[i] = -1;
-  const double x = static_cast<double>(px * kSubpixel + kSubpixel / 2 - f.axis_x),
-               y = static_cast<double>(py * kSubpixel + kSubpixel / 2 - f.axis_y);
+  alignas(64) float z[kPlaces];
+  for (int i = 0; i < kPlaces; i += kLanes) store(z + i, splat(f.clear_z));
+  const float x = static_cast<float>(px * kSubpixel + kSubpixel / 2 - f.axis_x),
+              y = static_cast<float>(py * kSubpixel + kSubpixel / 2 - f.axis_y);
+  uint32_t owned[5] = {}, all = 0;
   for (int k = 0; k < 5; ++k) {
     bool known = five.id[k] == kNoSurface;
     for (int j = 0; j < k; ++j) known |= five.id[j] == five.id[k];
     if (known) continue;
-    const EdgeTriangle& e = triangles.at(f, s, five.id[k]);
-    if (e.usable)
-      take_places(f, e, k, x, y, o);
-    else if (k == 0)
-      return five.color[0];
+    const EdgeTriangle& e = triangles.at(f, s, five.id[k], px, x, y);
+    if (!e.usable) {
+      if (k == 0) return five.color[0];
+      continue;
+    }
+    const uint32_t taken = take_places(f, e, x, y, z);
+    for (int j = 0; j < k; ++j) owned[j] &= ~taken;
+    owned[k] = taken, all |= taken;
   }
-  int places[5] = {};
-  for (int i = 0; i < kPlaces; ++i)
-    if (o.owner[i] >= 0) ++places[o.owner[i]];
+  if (owned[0] == kAllPlaces) return five.color[0];
+  int places[5];
+  for (int k = 0; k < 5; ++k) places[k] = __builtin_popcount(owned[k]);
   const bool ended = five.id[0] != kNoSurface && places[0] >= kFewPlaces;
-  for (int i = 0; i < kPlaces; ++i)
-    if (o.owner[i] < 0) ++places[ended ? neighbour_of_place(five, i) : 0];
+  const uint32_t open = kAllPlaces & ~all;
+  if (!ended) places[0] += __builtin_popcount(open);
+  for (uint32_t left = ended ? open : 0; left != 0; left &= left - 1)
+    ++places[neighbour_of_place(five, __builtin_ctz(left))];
   return places[0] == kPlaces ? five.color[0] : mean_color(s, five, places);
 }
 
-/// Ids of a row of pixels, one after the other; a pixel more on each side and lanes behind.
+/// Fills a row up to both sides: a pixel before it and kSmoothChunk behind.
+PROMENADE_INLINE void extend_row(const Frame& f, int32_t* row) {
+  row[-1] = row[0];
+  for (int i = 0; i < kSmoothChunk + 1; ++i) row[f.width + i] = row[f.width - 1];
+}
+
+/// Ids of one row of pixels, one after the other.
 void lay_out_ids(const Frame& f, int32_t y, int32_t* row) {
   y = max_of(0, min_of(y, f.height - 1));
   const Int64 first = static_cast<Int64>(y >> 3) * f.tiles_x * kTilePixels + (y >> 2 & 1) * 32 + (y & 3) * 4;
@@ -175,15 +209,22 @@ void lay_out_ids(const Frame& f, int32_t y, int32_t* row) {
     for (int i = 0; i < 4; ++i)
       row[4 * q + i] = static_cast<int32_t>(f.z[at + i] > f.clear_z ? f.id[at + i] : kNoSurface);
   }
-  row[-1] = row[0];
-  for (int i = 0; i < kLanes + 1; ++i) row[f.width + i] = row[f.width - 1];
+  extend_row(f, row);
 }
 
-void lay_out_colors(const Frame& f, const uint32_t* in, int32_t y, int32_t* row) {
-  y = max_of(0, min_of(y, f.height - 1));
-  __builtin_memcpy(row, in + static_cast<Int64>(y) * f.width, static_cast<uint64_t>(f.width) * 4);
-  row[-1] = row[0];
-  for (int i = 0; i < kLanes + 1; ++i) row[f.width + i] = row[f.width - 1];
+/// Ids of a row of tiles. rows: its eight rows of pixels.
+void lay_out_tiles(const Frame& f, int32_t ty, int32_t* const* rows) {
+  const F clear = splat(f.clear_z);
+  const I none = splat(static_cast<int32_t>(kNoSurface));
+  for (int32_t tx = 0; tx < f.tiles_x; ++tx) {
+    const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
+    alignas(64) int32_t ids[kTilePixels];
+    for (int i = 0; i < kTilePixels; i += kLanes)
+      store(ids + i, select(load(f.z + tile + i) > clear, load(reinterpret_cast<const int32_t*>(f.id) + tile + i), none));
+    for (int q = 0; q < kTilePixels / 4; ++q)
+      __builtin_memcpy(rows[(q >> 3) * 4 + (q & 3)] + tx * kTile + (q >> 2 & 1) * 4, ids + 4 * q, 16);
+  }
+  for (int i = 0; i < kTile; ++i) extend_row(f, rows[i]);
 }
 
 /// The largest difference of a channel.
@@ -200,60 +241,114 @@ struct Rows {
   const int32_t* row[3];
 };
 
-/// The pixels from x on that are to be smoothed: they differ from a neighbour both in triangle and in colour, and show
-/// the sky or a triangle that two of their neighbours show, too. Where every pixel has a triangle of its own there is
-/// no edge to find, and it would cost the most.
-PROMENADE_INLINE uint32_t edges_among(const Rows& id, const Rows& color, int32_t x, int32_t least) {
-  const I own = load(id.row[1] + x), none = splat(0), one = splat(1);
-  const I sides[4] = {load(id.row[1] + x - 1), load(id.row[1] + x + 1), load(id.row[0] + x), load(id.row[2] + x)};
-  I same = none;
-  for (const I& side : sides) same = same + select(equal(own, side), one, none);
-  const M to_do = (same < splat(4)) & ((same > one) | equal(own, splat(static_cast<int32_t>(kNoSurface))));
-  if (bits(to_do) == 0) return 0;
-  const I here = load(color.row[1] + x);
-  const I colors[4] = {load(color.row[1] + x - 1), load(color.row[1] + x + 1), load(color.row[0] + x),
-                       load(color.row[2] + x)};
-  I most = none;
-  for (int i = 0; i < 4; ++i) most = max(most, select(equal(own, sides[i]), none, difference(here, colors[i])));
-  return bits(to_do & (most > splat(least - 1)));
+/// How much each of kSmoothChunk pixels from x on differs from those of its neighbours that show other triangles; 0: it
+/// is no edge. An edge's pixel shows the sky or a triangle that two of its neighbours show, too: where every pixel has a
+/// triangle of its own there is none to find, and it would cost the most. Returns which do not have 0.
+PROMENADE_INLINE uint32_t edges_among(const Rows& id, const Rows& color, int32_t x, int32_t* strength) {
+  const I none = splat(0), one = splat(1);
+  uint32_t found = 0;
+  for (int part = 0; part < kSmoothChunk; part += kLanes) {
+    const int32_t p = x + part;
+    const I own = load(id.row[1] + p);
+    const I sides[4] = {load(id.row[1] + p - 1), load(id.row[1] + p + 1), load(id.row[0] + p), load(id.row[2] + p)};
+    I same = none;
+    for (const I& side : sides) same = same + select(equal(own, side), one, none);
+    const M to_do = (same < splat(4)) & ((same > one) | equal(own, splat(static_cast<int32_t>(kNoSurface))));
+    I most = none;
+    if (bits(to_do) != 0) {
+      const I here = load(color.row[1] + p);
+      const I colors[4] = {load(color.row[1] + p - 1), load(color.row[1] + p + 1), load(color.row[0] + p),
+                           load(color.row[2] + p)};
+      for (int i = 0; i < 4; ++i) most = max(most, select(equal(own, sides[i]), none, difference(here, colors[i])));
+      most = select(to_do, most, none);
+      found |= bits(most > none) << part;
+    }
+    store(strength + part, most);
+  }
+  return found;
 }
 
-/// A pixel of the middle row and its neighbours.
-PROMENADE_INLINE Five five_at(const Rows& id, const Rows& color, int32_t x) {
-  const int32_t at[5] = {x, x - 1, x + 1, x, x};
-  const int line[5] = {1, 1, 1, 0, 2};
+/// A chunk of the picture's rows y - 1 to y + 8; at the picture's sides a copy, so that every pixel has neighbours.
+struct ColorChunk {
+  const int32_t* row[kTile + 2];  ///< row[i][x] for columns x of the picture
+  int32_t copy[kTile + 2][kSmoothChunk + 2];
+  void look_at(const Frame& f, const uint32_t* in, int32_t x, int32_t y) {
+    const bool inner = x > 0 && x + kSmoothChunk < f.width;
+    for (int i = 0; i < kTile + 2; ++i) {
+      const int32_t line = max_of(0, min_of(y + i - 1, f.height - 1));
+      row[i] = reinterpret_cast<const int32_t*>(in) + static_cast<Int64>(line) * f.width;
+      if (inner) continue;
+      for (int k = 0; k < kSmoothChunk + 2; ++k) copy[i][k] = row[i][max_of(0, min_of(x + k - 1, f.width - 1))];
+      row[i] = copy[i] + 1 - x;
+    }
+  }
+};
+
+void find_edges_row(const Frame& f, const Smoothing& smoothing, int32_t ty) {
+  int32_t* ids[kTile + 2];
+  for (int i = 0; i < kTile + 2; ++i) ids[i] = smoothing.room + static_cast<Int64>(i) * smoothing.stride + 16;
+  const int32_t y = ty * kTile, rows = min_of(kTile, f.height - y);
+  lay_out_ids(f, y - 1, ids[0]);
+  lay_out_tiles(f, ty, ids + 1);
+  lay_out_ids(f, y + rows, ids[rows + 1]);
+  uint32_t* count = smoothing.counts + static_cast<Int64>(ty) * kStrengths;
+  __builtin_memset(count, 0, sizeof(uint32_t) * kStrengths);
+  ColorChunk colors;
+  for (int32_t x = 0; x < f.width; x += kSmoothChunk) {
+    colors.look_at(f, smoothing.in, x, y);
+    for (int32_t i = 0; i < rows; ++i) {
+      const Rows id = {{ids[i], ids[i + 1], ids[i + 2]}};
+      const Rows color = {{colors.row[i], colors.row[i + 1], colors.row[i + 2]}};
+      int32_t strength[kSmoothChunk];
+      uint32_t found = edges_among(id, color, x, strength);
+      uint8_t* out = smoothing.strength + static_cast<Int64>(y + i) * smoothing.stride + x;
+      for (int k = 0; k < kSmoothChunk; ++k) out[k] = static_cast<uint8_t>(strength[k]);
+      if (f.width - x < kSmoothChunk) found &= (1U << (f.width - x)) - 1U;
+      for (; found != 0; found &= found - 1) ++count[strength[__builtin_ctz(found)]];
+    }
+  }
+}
+
+/// Of kSmoothChunk pixels those whose strength is at least that.
+PROMENADE_INLINE uint32_t at_least(const uint8_t* strength, int32_t least) {
+  uint32_t found = 0;
+  for (int part = 0; part < kSmoothChunk; part += kLanes)
+    found |= bits(load(strength + part) > splat(least - 1)) << part;
+  return found;
+}
+
+/// A pixel and its neighbours; beyond the picture's sides, itself.
+PROMENADE_INLINE Five five_at(const Frame& f, const uint32_t* in, int32_t px, int32_t py) {
+  const int32_t xs[5] = {px, max_of(px - 1, 0), min_of(px + 1, f.width - 1), px, px};
+  const int32_t ys[5] = {py, py, py, max_of(py - 1, 0), min_of(py + 1, f.height - 1)};
   Five five;
   for (int k = 0; k < 5; ++k) {
-    five.id[k] = static_cast<uint32_t>(id.row[line[k]][at[k]]);
-    five.color[k] = color.row[line[k]][at[k]];
+    const int32_t x = xs[k], y = ys[k];
+    const Int64 at = (static_cast<Int64>(y >> 3) * f.tiles_x + (x >> 3)) * kTilePixels +
+                     ((y & 4) * 8 + (x & 4) * 4 + (y & 3) * 4 + (x & 3));
+    five.id[k] = f.z[at] > f.clear_z ? f.id[at] : kNoSurface;
+    five.color[k] = static_cast<int32_t>(in[static_cast<Int64>(y) * f.width + x]);
   }
   return five;
 }
 
 void smooth_row(const Frame& f, const Shading& s, const Smoothing& smoothing, int32_t ty) {
   EdgeTriangles triangles;
-  int32_t* ids[10];
-  int32_t* colors[10];
-  for (int i = 0; i < 10; ++i) {
-    ids[i] = smoothing.room + static_cast<Int64>(i) * smoothing.stride + 16;
-    colors[i] = ids[i] + static_cast<Int64>(10) * smoothing.stride;
-    lay_out_ids(f, ty * kTile + i - 1, ids[i]);
-    lay_out_colors(f, smoothing.in, ty * kTile + i - 1, colors[i]);
-  }
-  const int32_t rows = min_of(kTile, f.height - ty * kTile);
-  uint32_t* out = smoothing.out + static_cast<Int64>(ty) * kTile * f.width;
-  __builtin_memcpy(out, smoothing.in + static_cast<Int64>(ty) * kTile * f.width,
+  const int32_t y = ty * kTile, rows = min_of(kTile, f.height - y);
+  const Int64 first = static_cast<Int64>(y) * f.width;
+  __builtin_memcpy(smoothing.out + first, smoothing.in + first,
                    static_cast<uint64_t>(f.width) * static_cast<uint64_t>(rows) * 4);
-  // Column by column, so that the rows of a triangle find it among those met last.
-  for (int32_t x = 0; x < f.width; x += kLanes) {
-    for (int32_t i = 1; i <= rows; ++i) {
-      const Rows id = {{ids[i - 1], ids[i], ids[i + 1]}}, color = {{colors[i - 1], colors[i], colors[i + 1]}};
-      uint32_t edges = edges_among(id, color, x, smoothing.least_difference);
-      if (f.width - x < kLanes) edges &= (1U << (f.width - x)) - 1U;
+  // Column by column, so that the rows of a triangle find it among those met last; in the same order on all
+  // processors, because a triangle's functions depend a little on the pixel that asked for them first.
+  for (int32_t x = 0; x < f.width; x += kSmoothChunk) {
+    for (int32_t i = 0; i < rows; ++i) {
+      uint32_t edges = at_least(smoothing.strength + static_cast<Int64>(y + i) * smoothing.stride + x,
+                                smoothing.least_difference);
+      if (f.width - x < kSmoothChunk) edges &= (1U << (f.width - x)) - 1U;
       for (; edges != 0; edges &= edges - 1) {
-        const int32_t p = x + __builtin_ctz(edges);
-        out[static_cast<Int64>(i - 1) * f.width + p] =
-            static_cast<uint32_t>(smoothed_pixel(f, s, triangles, five_at(id, color, p), p, ty * kTile + i - 1));
+        const int32_t px = x + __builtin_ctz(edges);
+        smoothing.out[first + static_cast<Int64>(i) * f.width + px] =
+            static_cast<uint32_t>(smoothed_pixel(f, s, triangles, five_at(f, smoothing.in, px, y + i), px, y + i));
       }
     }
   }

@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 #include <glm/geometric.hpp>
+#include <span>
+#include <vector>
 
 #include "raster/visibility_state.h"
 
@@ -86,22 +88,56 @@ void shade(const VisibilityBuffer& buffer, const ShadeOptions& options, Image& o
                [&](size_t row) { kernels.shade(state.frame, s, static_cast<int32_t>(row)); });
 }
 
+namespace {
+
+/// Rows of a picture's width in thread-local room: no page is touched for the first time in every frame.
+struct SmoothRoom {
+  std::vector<uint8_t> strength;
+  std::vector<uint32_t> counts;
+};
+
+/// The least strength, and at least `least`, that no more than `most` pixels have.
+int threshold_of(std::span<const uint32_t> counts, int least, uint64_t most) {
+  std::array<uint64_t, raster_kernel::kStrengths> sum{};
+  for (size_t i = 0; i < counts.size(); ++i) sum[i % sum.size()] += counts[i];
+  uint64_t pixels = 0;
+  int at = raster_kernel::kStrengths - 1;
+  for (; at >= least; --at) {
+    pixels += sum[static_cast<size_t>(at)];
+    if (pixels > most) break;
+  }
+  return std::min(at + 1, raster_kernel::kStrengths - 1);
+}
+
+}  // namespace
+
 void smooth_edges(const VisibilityBuffer& buffer, const ShadeOptions& options, const Image& in, Image& out) {
   const VisibilityBuffer::State& state = buffer.state();
   size_like(buffer, out);
   const Shading s = shading_of(state, options, out);
   const raster_kernel::Kernels& kernels = kernels_of(options.simd);
+  const auto rows = static_cast<size_t>(state.frame.tiles_y);
+  thread_local SmoothRoom kept;
+  SmoothRoom& room = kept;  // the caller's, also on other threads
   raster_kernel::Smoothing smoothing = {};
   smoothing.in = reinterpret_cast<const uint32_t*>(in.pixels.data()), smoothing.out = s.out;
   smoothing.stride = state.frame.width + raster_kernel::kSmoothPadding;
-  smoothing.least_difference = std::clamp(options.edge_difference, 1, 255);
-  run_parallel(options.threads, static_cast<size_t>(state.frame.tiles_y), [&](size_t row) {
-    thread_local std::vector<int32_t> room;  // no page is touched for the first time in every row
-    room.resize(size_t(smoothing.stride) * raster_kernel::kSmoothRows);
+  room.strength.resize(size_t(smoothing.stride) * buffer.height_px());
+  room.counts.resize(rows * raster_kernel::kStrengths);
+  smoothing.strength = room.strength.data(), smoothing.counts = room.counts.data();
+  run_parallel(options.threads, rows, [&](size_t row) {
+    thread_local std::vector<int32_t> ids;
+    ids.resize(size_t(smoothing.stride) * raster_kernel::kSmoothRows);
     raster_kernel::Smoothing here = smoothing;
-    here.room = room.data();
-    kernels.smooth(state.frame, s, here, static_cast<int32_t>(row));
+    here.room = ids.data();
+    kernels.find_edges(state.frame, here, static_cast<int32_t>(row));
   });
+  const uint64_t most = std::max<uint64_t>(
+      options.least_smoothed_px,
+      static_cast<uint64_t>(std::clamp(options.most_smoothed, 0.0F, 1.0F) * static_cast<float>(in.pixels.size())));
+  smoothing.least_difference = threshold_of(room.counts, std::clamp(options.edge_difference, 1, 255), most);
+  run_parallel(options.threads, rows,
+               [&](size_t row) { kernels.smooth(state.frame, s, smoothing, static_cast<int32_t>(row)); });
 }
 
 void blend_layers(std::span<const VisibilityBuffer* const> layers, const ShadeOptions& options, Image& picture) {

@@ -27,6 +27,10 @@ struct ShadeOptions {
   /// smooth_edges: least difference (of a channel, sRGB, 1 to 255) between pixels of different triangles for their
   /// border to be smoothed. Smaller: smoother, dearer.
   int edge_difference = 16;
+  /// smooth_edges: the largest share of the picture's pixels that is smoothed; where more differ so much (overviews of
+  /// little triangles), those that differ most. Bounds the time; a pixel takes as long as shading ten. 1: all.
+  float most_smoothed = 0.04F;
+  uint32_t least_smoothed_px = 30000;  ///< but so many pixels in any picture
 
   // Light; linear colours.
   glm::vec3 to_sun{0.40F, -0.55F, 0.73F};  ///< model space; need not be unit

@@ -93,14 +93,29 @@ struct Table64 {
   PROMENADE_INLINE F operator[](I i) const { return {_mm256_i32gather_ps(p, i.v, 4)}; }
 };
 
+struct Table16 {
+  const int32_t* p;
+  explicit Table16(const uint32_t* table) : p(reinterpret_cast<const int32_t*>(table)) {}
+  PROMENADE_INLINE I operator[](I i) const {
+    const __m256i low = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)), i.v);
+    const __m256i high = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p + 8)), i.v);
+    return {_mm256_blendv_epi8(low, high, _mm256_cmpgt_epi32(i.v, _mm256_set1_epi32(7)))};
+  }
+};
+
+/// By single loads, which are faster than the processor's own gather.
 PROMENADE_INLINE void gather_pairs(const int32_t* p, I i, I& first, I& second) {
-  const auto* pairs = reinterpret_cast<const long long*>(p);  // four bytes apart: the scale says so
-  const __m256 a = _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_castsi256_si128(i.v), 4));
-  const __m256 b = _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_extracti128_si256(i.v, 1), 4));
-  first = {_mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(a, b, 0x88)), 0xd8)};
-  second = {_mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(a, b, 0xdd)), 0xd8)};
+  alignas(32) int32_t at[kLanes];
+  store(at, i);
+  const auto two = [&](int k) {
+    const __m128i low = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p + at[k]));
+    return _mm_loadh_pi(_mm_castsi128_ps(low), reinterpret_cast<const __m64*>(p + at[k + 1]));
+  };
+  // Each half holds two pairs of the first four and two of the last, so that shuffles within halves leave the order.
+  const __m256 a = _mm256_insertf128_ps(_mm256_castps128_ps256(two(0)), two(4), 1);
+  const __m256 b = _mm256_insertf128_ps(_mm256_castps128_ps256(two(2)), two(6), 1);
+  first = {_mm256_castps_si256(_mm256_shuffle_ps(a, b, 0x88))};
+  second = {_mm256_castps_si256(_mm256_shuffle_ps(a, b, 0xdd))};
 }
-PROMENADE_INLINE I gather(const int32_t* p, I i) { return {_mm256_i32gather_epi32(p, i.v, 4)}; }
-PROMENADE_INLINE F gather(const float* p, I i) { return {_mm256_i32gather_ps(p, i.v, 4)}; }
 
 }  // namespace promenade::simd_avx2

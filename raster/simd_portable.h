@@ -124,12 +124,16 @@ struct Table64 {
   F operator[](I i) const { return {FloatBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}}; }
 };
 
+/// A table of sixteen, looked up by indices 0 to 15.
+struct Table16 {
+  const int32_t* p;
+  explicit Table16(const uint32_t* table) : p(reinterpret_cast<const int32_t*>(table)) {}
+  I operator[](I i) const { return {IntBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}}; }
+};
+
 /// p[i] and p[i + 1].
 PROMENADE_INLINE void gather_pairs(const int32_t* p, I i, I& first, I& second) {
   first = {IntBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}};
   second = {IntBits{p[i.v[0] + 1], p[i.v[1] + 1], p[i.v[2] + 1], p[i.v[3] + 1]}};
 }
-PROMENADE_INLINE I gather(const int32_t* p, I i) { return {IntBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}}; }
-PROMENADE_INLINE F gather(const float* p, I i) { return {FloatBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}}; }
-
 }  // namespace promenade::simd_portable
