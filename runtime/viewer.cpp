@@ -98,6 +98,8 @@ class Viewer {
         settings_(std::move(settings)),
         panels_(window),
         surroundings_(source, surroundings_bytes(options.session.loader.memory_bytes)) {
+    // A tap shorter than a frame counts, too.
+    glfwSetInputMode(window.handle(), GLFW_STICKY_KEYS, GLFW_TRUE);
     const DBox box = box_of(source.model());
     camera_.vertical_fov_deg = options.vertical_fov_deg;
     camera_.near_m = options.near_m;

@@ -60,7 +60,7 @@ hold b 0.3
 sleep 1
 hold p 0.5
 wait_for 10 "bird's picture" test -s view-0002.png
-hold Escape 0.5
+xdotool key Escape  # a tap shorter than a frame
 wait_for 10 end bash -c "! kill -0 $viewer"
 wait "$viewer" || fail "exit $?"
 viewer=

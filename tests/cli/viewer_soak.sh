@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# The window under random keys and drags for a while: no crash, no sanitizer's report, memory flat. Needs a display of
+# its own (xvfb-run) and xdotool. The same keys for the same SEED (environment; 1).
+# usage: xvfb-run -a tests/cli/viewer_soak.sh PROGRAM [SECONDS, 60]
+set -euo pipefail
+program=$(realpath "$1")
+seconds=${2:-60}
+folder=$(mktemp -d)
+viewer=
+trap '[[ -z $viewer ]] || kill "$viewer" 2>/dev/null || true; rm -rf "$folder"' EXIT
+cd "$folder"
+export XDG_CONFIG_HOME=$folder/config XDG_CACHE_HOME=$folder/cache
+RANDOM=${SEED:-1}
+
+fail() { echo "viewer_soak: $1" >&2; tail -n 40 view.log >&2; exit 1; }
+
+"$program" generate city --triangles 200000 -o city.glb 2>/dev/null
+"$program" build city.glb -o city.prom 2>/dev/null
+"$program" view city.prom --size 640x360 --camera 20,20,30,45,-20 --memory 64MiB 2>view.log &
+viewer=$!
+for ((i = 0; i < 600; ++i)); do xdotool search --name Promenade >/dev/null 2>&1 && break; sleep 0.1; done
+sleep 1
+keys=(w w w w s a d space c q e f g g b v h l r p Home 1 2 3 ctrl+1 ctrl+2 Up Down Left Right)
+begin=$SECONDS
+: >memory.txt
+while ((SECONDS - begin < seconds)); do
+  kill -0 "$viewer" 2>/dev/null || fail "the window is gone after $((SECONDS - begin)) s"
+  key=${keys[RANDOM % ${#keys[@]}]}
+  if ((RANDOM % 3 == 0)); then
+    xdotool mousemove $((380 + RANDOM % 250)) $((40 + RANDOM % 300)) mousedown 1
+    xdotool mousemove_relative -- $((RANDOM % 200 - 100)) $((RANDOM % 80 - 40))
+    sleep 0.1
+    xdotool mouseup 1 click $((RANDOM % 2 + 4))
+  fi
+  if [[ $key == ctrl+* ]]; then
+    xdotool key "$key"
+  else
+    xdotool keydown "$key"; sleep "0.$((RANDOM % 9 + 1))"; xdotool keyup "$key"
+  fi
+  awk '/VmRSS/ {print $2}' "/proc/$viewer/status" >>memory.txt
+done
+xdotool key Escape
+for ((i = 0; i < 300; ++i)); do kill -0 "$viewer" 2>/dev/null || break; sleep 0.1; done
+status=0
+wait "$viewer" || status=$?
+viewer=
+((status == 0)) || fail "exit $status"
+! grep -q "Sanitizer" view.log || fail "a sanitizer reports"
+python3 - <<'P'
+rss = [int(line) / 1024 for line in open("memory.txt")]
+third = len(rss) // 3
+before, after = max(rss[third:2 * third]), max(rss[2 * third:])
+print(f"viewer_soak: {len(rss)} events; resident at most {before:.0f} MiB in the second third, {after:.0f} MiB in the last")
+assert after < before * 1.1 + 8, "memory grows"
+P
