@@ -50,6 +50,8 @@ Status run_build(const BuildOptions& options, JobMonitor& monitor, Json& figures
              {"vlod_triangles_mean", made->visibility.vlod_triangles_mean},
              {"front_nodes_mean", made->visibility.front_nodes_mean},
              {"front_triangles_mean", made->visibility.front_triangles_mean},
+             {"delta_bytes_mean", made->delta_bytes_mean},
+             {"delta_ids_mean", made->delta_ids_mean},
              {"visibility_ms_per_cell", made->visibility.ms_per_cell},
              {"visibility_cells_computed", made->visibility.units.cells},
              {"import_counts", made->import_counts},

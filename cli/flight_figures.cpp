@@ -7,6 +7,7 @@
 
 #include "cli/console.h"
 #include "cli/plot.h"
+#include "cli/report_page.h"
 
 namespace promenade {
 namespace {
@@ -155,24 +156,10 @@ std::string table_of(const FlightReport& report) {
       {"resident, peak", fmt::format("{} of {}", human_bytes(t.resident_bytes_peak), human_bytes(t.memory_bytes))},
       {"process memory, peak", human_bytes(t.peak_rss_bytes)},
       {"stalls", fmt::format("{}", t.stalls)}};
-  std::string html = "<table>\n";
-  for (const auto& [name, value] : rows) html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, value);
-  return html + "</table>\n";
+  std::vector<std::vector<std::string>> table;
+  for (const auto& [name, value] : rows) table.push_back({name, value});
+  return html_table(table, false);
 }
-
-constexpr const char* kStyle = R"(<style>
-:root { color-scheme: light dark; --ink: #1d2430; --paper: #fbfaf7; --faint: #d9d6cf; --bound: #b3261e; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e8e6e1; --paper: #171a1f; --faint: #3a3f47; --bound: #ff8a80; } }
-body { font: 15px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 900px; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.5rem; margin-bottom: 0; } p { margin-top: .2rem; }
-table { border-collapse: collapse; } th { text-align: left; font-weight: normal; padding-right: 2rem; } td { text-align: right; font-variant-numeric: tabular-nums; }
-tr { border-bottom: 1px solid var(--faint); }
-.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(270px, 1fr)); gap: .6rem; margin: 1.2rem 0; }
-figure { margin: 0; } img { width: 100%; border-radius: 4px; } figcaption { font-size: 12px; }
-svg.plot { display: block; width: 100%; height: auto; margin: 1.2rem 0; font-size: 12px; }
-svg text { fill: var(--ink); } svg .title { font-weight: 600; font-size: 13px; } svg .grid { stroke: var(--faint); } svg .bound { stroke: var(--bound); stroke-dasharray: 5 4; }
-</style>
-)";
 
 }  // namespace
 
@@ -230,23 +217,16 @@ Json json_of(const FlightReport& report) {
   return json;
 }
 
-std::string page_head(const std::string& title) {
-  return fmt::format(
-      "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n"
-      "<title>{0}</title>\n{1}<h1>{0}</h1>\n",
-      escaped(title), kStyle);
-}
-
 std::string html_of(const FlightReport& report, const FlightPage& page) {
-  std::string html = page_head("Flight through " + page.model);
-  html += fmt::format("<p>{}, policy {}, {}</p>\n", escaped(page.path), escaped(page.policy), escaped(page.renderer));
-  html += table_of(report) + "<div class=pictures>\n";
+  std::string html = table_of(report) + "<div class=pictures>\n";
   for (const FlightPage::Picture& picture : page.pictures)
     html += fmt::format(
         "<figure><img alt=\"frame {0}\" src=\"data:image/jpeg;base64,{1}\"><figcaption>frame "
         "{0}</figcaption></figure>\n",
         picture.frame, base64(picture.jpeg));
-  return html + "</div>\n" + plots(report, page) + "</html>\n";
+  const std::string how =
+      fmt::format("{}, policy {}, {}", escaped(page.path), escaped(page.policy), escaped(page.renderer));
+  return html_page("Flight through " + page.model, how, html + "</div>\n" + plots(report, page));
 }
 
 }  // namespace promenade

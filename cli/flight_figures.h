@@ -19,8 +19,6 @@ EstimateError estimate_error(const FlightReport& report, bool with_feedback);
 
 /// The totals by their names.
 Json totals_json(const FlightReport& report);
-/// The head of a page and its heading.
-std::string page_head(const std::string& title);
 
 /// `fly --json`: a row a frame under "frames", their number under "frame_count", the totals by their names, the
 /// loader's counts under "loader".

@@ -125,6 +125,26 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+std::string bar_plot(const std::vector<PlotBar>& bars, const std::string& title, const std::string& unit) {
+  constexpr double kBarLeft = 200, kBarRight = 90, kBar = 16, kPitch = 22, kFirst = 30;
+  double most = 0;
+  for (const PlotBar& bar : bars) most = std::max(most, bar.value);
+  const double height = kFirst + kPitch * double(bars.size()) + 6;
+  std::string svg = fmt::format(
+      "<svg class=plot viewBox=\"0 0 {0:.0f} {1:.0f}\" width={0:.0f} height={1:.0f} role=img>\n", kWidth, height);
+  svg += fmt::format("<text class=title x={:.0f} y=16>{} ({})</text>\n", kLeft, escaped(title), escaped(unit));
+  for (size_t i = 0; i < bars.size(); ++i) {
+    const double y = kFirst + kPitch * double(i);
+    const double length = most > 0 ? bars[i].value / most * (kWidth - kBarLeft - kBarRight) : 0;
+    svg += fmt::format(
+        "<text x={:.0f} y={:.1f} text-anchor=end>{}</text><rect class=bar x={:.0f} y={:.1f} width={:.1f} "
+        "height={:.0f} /><text x={:.1f} y={:.1f}>{}</text>\n",
+        kBarLeft - 8, y + 12, escaped(bars[i].name), kBarLeft, y, length, kBar, kBarLeft + length + 6, y + 12,
+        tick_text(bars[i].value));
+  }
+  return svg + "</svg>\n";
+}
+
 std::vector<double> moving_average(const std::vector<double>& values, size_t window) {
   std::vector<double> out(values.size());
   const size_t half = window / 2;

@@ -1,5 +1,5 @@
 #pragma once
-// Line plots as SVG text, for the reports.
+// Plots as SVG text, for the reports.
 
 #include <string>
 #include <vector>
@@ -22,6 +22,14 @@ struct PlotOptions {
 /// One plot, 860 x 260 px, readable in light and dark pages. Long series are drawn as the range of each pixel column,
 /// so that no peak gets lost. Names and titles are escaped. Pure.
 std::string line_plot(const std::vector<PlotSeries>& series, const PlotOptions& options);
+
+struct PlotBar {
+  std::string name;
+  double value = 0;  ///< >= 0
+};
+
+/// Horizontal bars, one below the other, each with its name and value; 860 px wide. Escaped like a line plot. Pure.
+std::string bar_plot(const std::vector<PlotBar>& bars, const std::string& title, const std::string& unit);
 
 /// &, <, > and quotes made harmless in HTML and SVG.
 std::string escaped(const std::string& text);

@@ -8,6 +8,7 @@
 #include "cli/console.h"
 #include "cli/flight_figures.h"
 #include "cli/plot.h"
+#include "cli/report_page.h"
 
 namespace promenade {
 namespace {
@@ -110,27 +111,25 @@ std::string table_of(const std::vector<PolicyFlight>& flights) {
       {"resident, peak", [](const FlightReport& r) { return human_bytes(r.totals.resident_bytes_peak); }},
       {"stalls", [](const FlightReport& r) { return fmt::format("{}", r.totals.stalls); }},
   };
-  std::string html = "<table>\n<tr><th></th>";
+  std::vector<std::vector<std::string>> cells(1, {""});
   for (const PolicyFlight& flight : flights)
-    html += fmt::format("<td>{}{}</td>", escaped(flight.policy), flight.is_default ? " (default)" : "");
-  html += "</tr>\n";
+    cells.front().push_back(flight.policy + (flight.is_default ? " (default)" : ""));
   for (const TableRow& row : rows) {
-    html += fmt::format("<tr><th>{}</th>", row.name);
-    for (const PolicyFlight& flight : flights) html += fmt::format("<td>{}</td>", row.text(flight.report));
-    html += "</tr>\n";
+    cells.push_back({row.name});
+    for (const PolicyFlight& flight : flights) cells.back().push_back(row.text(flight.report));
   }
-  return html + "</table>\n";
+  return html_table(cells, true);
 }
 
 }  // namespace
 
 std::string html_of(const std::vector<PolicyFlight>& flights, const PolicyPage& page) {
-  std::string html = page_head(fmt::format("Policies in {}", page.model));
-  html += fmt::format("<p>{}, target {:.1f} ms, memory {}, {}</p>\n", escaped(page.path), page.target_ms,
-                      human_bytes(page.memory_bytes), escaped(page.renderer));
-  html += table_of(flights);
-  for (const Statistic& statistic : statistics()) html += plot_of(flights, statistic, page);
-  return html + "</html>\n";
+  std::string body = table_of(flights);
+  for (const Statistic& statistic : statistics()) body += plot_of(flights, statistic, page);
+  return html_page("Policies in " + page.model,
+                   fmt::format("{}, target {:.1f} ms, memory {}, {}", escaped(page.path), page.target_ms,
+                               human_bytes(page.memory_bytes), escaped(page.renderer)),
+                   body);
 }
 
 }  // namespace promenade

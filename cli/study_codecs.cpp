@@ -4,13 +4,19 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "cli/console.h"
+#include "cli/plot.h"
+#include "cli/report_page.h"
 #include "cli/study_sets.h"
+#include "codec/id_set.h"
 #include "codec/id_set_block.h"
 #include "codec/id_set_codec.h"
 #include "codec/id_set_rivals.h"
+#include "layout/file_io.h"
 #include "layout/model_io.h"
 
 namespace promenade {
@@ -18,15 +24,12 @@ namespace {
 
 constexpr size_t kFrameSets = 40;  // deltas in a zstd frame
 
-struct Arguments {
-  std::filesystem::path model, export_folder;
-};
-
 struct CodecRow {
   std::string name, what;
   uint64_t bytes = 0, ids = 0;  ///< ids: of deltas; of vLODs for blocks
   double encode_s = 0, decode_s = 0;
   bool is_default = false;
+  std::optional<uint64_t> bytes_p99;  ///< of a delta; none where several are coded together and no path is walked
 };
 
 uint64_t count_ids(const IdSets& sets) {
@@ -49,14 +52,19 @@ double fastest(const std::function<Status()>& work, Status& status) {
 }
 
 Result<CodecRow> measure_codec(const IdSetCodec& codec, const IdSets& deltas, uint32_t nodes) {
-  CodecRow row{std::string(codec.name), std::string(codec.what), 0, count_ids(deltas), 0, 0, false};
+  CodecRow row{std::string(codec.name), std::string(codec.what), 0, count_ids(deltas), 0, 0, false, {}};
   std::vector<std::vector<std::byte>> coded(deltas.size());
   size_t longest = 0;
   const WallClock clock;
   for (size_t i = 0; i < deltas.size(); ++i) codec.encode(deltas[i], nodes, coded[i]);
   row.encode_s = std::max(clock.seconds(), 1e-9);
-  for (size_t i = 0; i < deltas.size(); ++i)
+  std::vector<uint64_t> sizes;
+  sizes.reserve(deltas.size());
+  for (size_t i = 0; i < deltas.size(); ++i) {
     row.bytes += coded[i].size(), longest = std::max(longest, deltas[i].size());
+    sizes.push_back(coded[i].size());
+  }
+  row.bytes_p99 = size_figures(std::move(sizes)).p99;
   std::vector<uint32_t> into(longest);
   Status status = Done{};
   row.decode_s = fastest(
@@ -97,8 +105,14 @@ Result<CodecRow> measure_frames(const IdSets& deltas, uint32_t nodes) {
   };
   std::vector<uint32_t> ids(count_ids(deltas) + 1), ends(kFrameSets);
   return measure_groups(
-      {"zstd-frames", fmt::format("zstd level 19 over varint, {} deltas a frame", kFrameSets), 0, count_ids(deltas), 0,
-       0, false},
+      {"zstd-frames",
+       fmt::format("zstd level 19 over varint, {} deltas a frame", kFrameSets),
+       0,
+       count_ids(deltas),
+       0,
+       0,
+       false,
+       {}},
       groups, [&](size_t i) { return encode_zstd_frame(group(i)); },
       [&](size_t i, std::span<const std::byte> bytes) {
         return decode_zstd_frame(bytes, nodes, ids, std::span(ends).first(group(i).size()));
@@ -123,7 +137,7 @@ Result<CodecRow> measure_blocks(const ModelReader& reader, const IdSets& vlods) 
     most_ids = std::max(most_ids, block.ids.size());
   }
   std::vector<uint32_t> ids(most_ids), ends(kMaxSetsInBlock);
-  CodecRow row{"blocks", "vLODs of neighbouring cells together, along the tree", 0, count_ids(vlods), 0, 0, true};
+  CodecRow row{"blocks", "vLODs of neighbouring cells together, along the tree", 0, count_ids(vlods), 0, 0, true, {}};
   return measure_groups(
       row, blocks.size(), [&](size_t i) { return encode_block(forest->by_rank, blocks[i]); },
       [&](size_t i, std::span<const std::byte> bytes) {
@@ -132,102 +146,173 @@ Result<CodecRow> measure_blocks(const ModelReader& reader, const IdSets& vlods) 
       });
 }
 
-Result<std::vector<CodecRow>> measure_all(const ModelReader& reader, const StudySets& sets, JobMonitor& monitor) {
-  const auto nodes = static_cast<uint32_t>(reader.model().tables.nodes.size());
+/// What the path reads of the blocks, by a viewer that has read none yet and keeps the last ones.
+Status count_along_path(const std::filesystem::path& model, const std::vector<uint32_t>& walk, CodecRow& blocks) {
+  const Result<ModelReader> fresh = ModelReader::open(model);
+  if (!fresh) return fresh.error();
+  std::vector<uint64_t> sizes;
+  sizes.reserve(walk.size());
+  blocks.bytes = 0;
+  for (size_t i = 0; i < walk.size(); ++i) {
+    const Result<Vlod> vlod = fresh->cells()->read_vlod(CellId{walk[i]});
+    if (!vlod) return vlod.error();
+    blocks.bytes += vlod->bytes_read;
+    if (i > 0) sizes.push_back(vlod->bytes_read);
+  }
+  blocks.bytes_p99 = size_figures(std::move(sizes)).p99;
+  return Done{};
+}
+
+/// Across every face once, or as the path takes the steps.
+IdSets deltas_to_study(const StudySets& sets) {
+  if (sets.walk.empty()) return sets.deltas;
+  IdSets deltas;
+  deltas.reserve(sets.walk.size());
+  for (size_t i = 1; i < sets.walk.size(); ++i)
+    deltas.push_back(symmetric_difference(sets.vlods[sets.walk[i - 1]], sets.vlods[sets.walk[i]]));
+  return deltas;
+}
+
+Result<std::vector<CodecRow>> measure_all(const StudyArguments& arguments, const StudyInput& input,
+                                          const IdSets& deltas, JobMonitor& monitor) {
+  const auto nodes = static_cast<uint32_t>(input.reader.model().tables.nodes.size());
   std::vector<CodecRow> rows;
   for (const IdSetCodec& codec : id_set_codecs()) {
     if (monitor.cancelled()) return Error{"interrupted"};
-    Result<CodecRow> row = measure_codec(codec, sets.deltas, nodes);
+    Result<CodecRow> row = measure_codec(codec, deltas, nodes);
     if (!row) return row.error();
     rows.push_back(std::move(*row));
     monitor.progress("codecs", rows.size(), id_set_codecs().size() + 2);
   }
-  for (Result<CodecRow> row : {measure_frames(sets.deltas, nodes), measure_blocks(reader, sets.vlods)}) {
+  for (Result<CodecRow> row : {measure_frames(deltas, nodes), measure_blocks(input.reader, input.sets.vlods)}) {
     if (!row) return row.error();
     rows.push_back(std::move(*row));
   }
+  if (!input.sets.walk.empty()) PROMENADE_TRY(count_along_path(arguments.model, input.sets.walk, rows.back()));
   return rows;
 }
 
-/// Shares of the sizes of deltas to those of vLODs, by tenths; the last: all from 0.9 on ([chhugani2003] figure 10).
-std::vector<double> histogram(const ModelReader& reader, const StudySets& sets) {
-  constexpr size_t kBins = 10;
-  std::vector<double> bins(kBins);
+/// Per cent of steps by the size of their delta, in parts of the vLOD's, the last part: all from the whole on
+/// ([chhugani2003] figure 10). A face counts by both of its cells.
+std::vector<double> frequencies(const ModelReader& reader, const StudySets& sets, size_t parts) {
+  std::vector<double> bins(parts + 1);
+  const auto count = [&](size_t delta, uint32_t cell, double weight) {
+    const double share = double(delta) / std::max<double>(1, double(sets.vlods[cell].size()));
+    bins[std::min(parts, static_cast<size_t>(share * double(parts)))] += 100 * weight;
+  };
   const std::vector<CellFace>& faces = reader.cells()->tables().faces;
-  for (size_t i = 0; i < faces.size(); ++i)
-    for (const CellId cell : {faces[i].below, faces[i].above}) {
-      const double size = std::max<double>(1, static_cast<double>(sets.vlods[index_of(cell)].size()));
-      const double share = static_cast<double>(sets.deltas[i].size()) / size;
-      bins[std::min(kBins - 1, static_cast<size_t>(share * kBins))] += 0.5 / static_cast<double>(faces.size());
-    }
+  for (size_t i = 0; sets.walk.empty() && i < faces.size(); ++i)
+    for (const CellId cell : {faces[i].below, faces[i].above})
+      count(sets.deltas[i].size(), index_of(cell), 0.5 / double(faces.size()));
+  const IdSets along = sets.walk.empty() ? IdSets() : deltas_to_study(sets);
+  for (size_t i = 0; i < along.size(); ++i) count(along[i].size(), sets.walk[i + 1], 1 / double(along.size()));
   return bins;
 }
 
-void put_figures(const ModelReader& reader, const StudySets& sets, const std::vector<CodecRow>& rows, Json& figures) {
-  const double deltas = std::max<double>(1, static_cast<double>(sets.deltas.size()));
-  std::vector<size_t> sizes;
-  for (const std::vector<uint32_t>& delta : sets.deltas) sizes.push_back(delta.size());
-  std::sort(sizes.begin(), sizes.end());
-  figures["cells"] = sets.vlods.size();
-  figures["deltas"] = sets.deltas.size();
-  figures["delta_ids_mean"] = static_cast<double>(count_ids(sets.deltas)) / deltas;
-  figures["delta_ids_p99"] = sizes.empty() ? 0 : sizes[(sizes.size() - 1) * 99 / 100];
-  figures["vlod_nodes_mean"] =
-      static_cast<double>(count_ids(sets.vlods)) / std::max<double>(1, static_cast<double>(sets.vlods.size()));
-  figures["delta_to_vlod_share_by_tenth"] = histogram(reader, sets);
+void put_figures(const StudyInput& input, const IdSets& deltas, const std::vector<CodecRow>& rows, Json& figures) {
+  const auto sizes_of = [](const IdSets& sets) {
+    std::vector<uint64_t> sizes;
+    sizes.reserve(sets.size());
+    for (const std::vector<uint32_t>& set : sets) sizes.push_back(set.size());
+    return size_figures(std::move(sizes));
+  };
+  const double count = std::max<double>(1, double(deltas.size()));
+  const SizeFigures ids = sizes_of(deltas);
+  constexpr size_t kTenths = 10;
+  figures["cells"] = input.sets.vlods.size();
+  figures["deltas"] = deltas.size();
+  figures["delta_ids_mean"] = ids.mean;
+  figures["delta_ids_p99"] = ids.p99;
+  figures["vlod_nodes_mean"] = sizes_of(input.sets.vlods).mean;
+  figures["delta_to_vlod_percent_by_tenth"] = frequencies(input.reader, input.sets, kTenths);
   Json list = Json::array();
   for (const CodecRow& row : rows)
     list.push_back({{"name", row.name},
                     {"what", row.what},
-                    {"bytes_per_delta_mean", static_cast<double>(row.bytes) / deltas},
+                    {"bytes_per_delta_mean", double(row.bytes) / count},
+                    {"bytes_per_delta_p99", row.bytes_p99 ? Json(*row.bytes_p99) : Json()},
                     {"bytes_total", row.bytes},
                     {"ids_total", row.ids},
-                    {"encode_ids_per_s", static_cast<double>(row.ids) / row.encode_s},
-                    {"decode_ids_per_s", static_cast<double>(row.ids) / row.decode_s},
+                    {"encode_ids_per_s", double(row.ids) / row.encode_s},
+                    {"decode_ids_per_s", double(row.ids) / row.decode_s},
                     {"default", row.is_default}});
   figures["codecs"] = list;
 }
 
-void print_table(const std::vector<CodecRow>& rows, const Json& figures) {
-  const uint64_t deltas = figures["deltas"];
-  fmt::print("{} cells, {} deltas: {:.1f} ids on average, 99 of 100 have at most {}; a vLOD has {:.1f} nodes\n",
-             uint64_t(figures["cells"]), deltas, double(figures["delta_ids_mean"]), uint64_t(figures["delta_ids_p99"]),
-             double(figures["vlod_nodes_mean"]));
-  fmt::print("a delta's size in tenths of a vLOD's, per cent of steps:");
-  for (const double share : figures["delta_to_vlod_share_by_tenth"]) fmt::print(" {:.1f}", 100 * share);
-  fmt::print("\n\n{:18} {:>12} {:>14} {:>14} {:>14}\n", "codec", "bytes", "bytes a delta", "encode M ids/s",
-             "decode M ids/s");
-  for (const CodecRow& row : rows)
-    fmt::print("{:18} {:>12} {:>14.2f} {:>14.1f} {:>14.1f}{}\n", row.name, row.bytes,
-               static_cast<double>(row.bytes) / static_cast<double>(std::max<uint64_t>(1, deltas)),
-               static_cast<double>(row.ids) / row.encode_s / 1e6, static_cast<double>(row.ids) / row.decode_s / 1e6,
-               row.is_default ? "  (default)" : "");
-  fmt::print(
-      "\nblocks hold all vLODs, so their bytes serve every delta; their speed counts the ids of vLODs, that of the\n"
-      "others the ids of deltas\n");
+constexpr std::string_view kNote =
+    "blocks hold all vLODs, so their bytes serve every delta; their speed counts the ids of vLODs, that of the others "
+    "the ids of deltas. On a path their bytes are what a viewer reads, the first cell's included";
+
+std::string headline(const Json& figures) {
+  return fmt::format("{} cells, {} deltas: {:.1f} ids on average, 99 of 100 have at most {}; a vLOD has {:.1f} nodes",
+                     uint64_t(figures["cells"]), uint64_t(figures["deltas"]), double(figures["delta_ids_mean"]),
+                     uint64_t(figures["delta_ids_p99"]), double(figures["vlod_nodes_mean"]));
 }
 
-Status run(const Arguments& arguments, JobMonitor& monitor, Json& figures) {
-  const Result<ModelReader> reader = ModelReader::open(arguments.model);
-  if (!reader) return reader.error();
-  const Result<StudySets> sets = read_study_sets(*reader, monitor);
-  if (!sets) return sets.error();
-  if (!arguments.export_folder.empty()) PROMENADE_TRY(export_study_sets(arguments.export_folder, *reader, *sets));
-  const Result<std::vector<CodecRow>> rows = measure_all(*reader, *sets, monitor);
+/// A row a codec, the head first.
+std::vector<std::vector<std::string>> table_of(const std::vector<CodecRow>& rows, double deltas) {
+  std::vector<std::vector<std::string>> table = {
+      {"codec", "bytes", "bytes a delta", "99 of 100", "encode M ids/s", "decode M ids/s"}};
+  for (const CodecRow& row : rows)
+    table.push_back({row.name + (row.is_default ? " (default)" : ""), fmt::format("{}", row.bytes),
+                     fmt::format("{:.2f}", double(row.bytes) / std::max(1.0, deltas)),
+                     row.bytes_p99 ? fmt::format("{}", *row.bytes_p99) : "-",
+                     fmt::format("{:.1f}", double(row.ids) / row.encode_s / 1e6),
+                     fmt::format("{:.1f}", double(row.ids) / row.decode_s / 1e6)});
+  return table;
+}
+
+void print_results(const std::vector<std::vector<std::string>>& table, const Json& figures) {
+  fmt::print("{}\na delta's size in tenths of a vLOD's, per cent of steps:", headline(figures));
+  for (const double percent : figures["delta_to_vlod_percent_by_tenth"]) fmt::print(" {:.1f}", percent);
+  fmt::print("\n\n");
+  for (const std::vector<std::string>& row : table) {
+    fmt::print("{:18}", row[0]);
+    for (size_t i = 1; i < row.size(); ++i) fmt::print(" {:>14}", row[i]);
+    fmt::print("\n");
+  }
+  fmt::print("\n{}\n", kNote);
+}
+
+std::string page_of(const StudyArguments& arguments, const StudyInput& input, const std::vector<CodecRow>& rows,
+                    const std::vector<std::vector<std::string>>& table, const Json& figures) {
+  constexpr size_t kPercents = 100;
+  std::vector<PlotBar> bytes, speed;
+  for (const CodecRow& row : rows) {
+    bytes.push_back({row.name, double(row.bytes) / std::max<double>(1, double(figures["deltas"]))});
+    speed.push_back({row.name, double(row.ids) / row.decode_s / 1e6});
+  }
+  const PlotOptions frequency = {.title = "Steps by the size of their delta (figure 10 of Chhugani 2003)",
+                                 .y_label = "% of steps",
+                                 .x_label = "delta, % of the vLOD's nodes (100: as many or more)",
+                                 .lines = {}};
+  std::string body = fmt::format("<p>{}</p>\n", escaped(headline(figures))) + html_table(table, true);
+  body += fmt::format("<p>{}.</p>\n", escaped(std::string(kNote)));
+  body += line_plot({{"steps", frequencies(input.reader, input.sets, kPercents)}}, frequency);
+  body += bar_plot(bytes, "Size", "bytes a delta") + bar_plot(speed, "Decoding", "million ids a second");
+  const std::string steps = arguments.path_file.empty() ? "across every face once" : arguments.path_file.string();
+  return html_page("How to store what changes between the cells of " + arguments.model.string(), escaped(steps), body);
+}
+
+Status run(const StudyArguments& arguments, JobMonitor& monitor, Json& figures) {
+  const Result<StudyInput> input = open_study(arguments, monitor);
+  if (!input) return input.error();
+  const IdSets deltas = deltas_to_study(input->sets);
+  const Result<std::vector<CodecRow>> rows = measure_all(arguments, *input, deltas, monitor);
   if (!rows) return rows.error();
-  put_figures(*reader, *sets, *rows, figures);
-  print_table(*rows, figures);
-  return Done{};
+  put_figures(*input, deltas, *rows, figures);
+  const std::vector<std::vector<std::string>> table = table_of(*rows, double(deltas.size()));
+  print_results(table, figures);
+  if (arguments.report_file.empty()) return Done{};
+  return write_file(arguments.report_file, std::string_view(page_of(arguments, *input, *rows, table, figures)));
 }
 
 }  // namespace
 
 Command add_study_codecs(CLI::App& study) {
   CLI::App* app = study.add_subcommand("codecs", "Bytes and speed of every way to store what changes between cells");
-  auto arguments = std::make_shared<Arguments>();
-  app->add_option("model", arguments->model, "Model with view cells")->required();
-  app->add_option("--export", arguments->export_folder,
-                  "Folder for vlods.txt, deltas.txt and nodes.txt: the same data as plain text");
+  auto arguments = std::make_shared<StudyArguments>();
+  add_study_arguments(*app, *arguments);
   return {app, {}, [arguments](JobMonitor& monitor, Json& figures) { return run(*arguments, monitor, figures); }};
 }
 

@@ -63,14 +63,58 @@ class Nearest {
     if (least > near.back().distance) return;
     for (const Neighbour& n : near)
       if (n.column == other) return;
-    const Neighbour found{hamming_distance(a, b), other};
+    insert(near, {hamming_distance(a, b), other});
+  }
+  /// One that another search found. Only the thread that has column i.
+  void add(uint32_t i, const Neighbour& found) {
+    const std::span<Neighbour> near = list(i);
+    if (std::find(near.begin(), near.end(), found) == near.end()) insert(near, found);
+  }
+
+  /// By the random order of rows with this number.
+  void search(uint32_t round, uint32_t window, std::vector<Signature>& sorted) {
+    for_each_place(among_.size(),
+                   [&](uint32_t i) { sorted[i] = signature_of(matrix_.column(among_[i]), i, round + 1); });
+    tbb::parallel_sort(sorted.begin(), sorted.end());
+    for_each_place(among_.size(), [&](uint32_t at) {
+      const size_t begin = at > window ? at - window : 0;
+      const size_t end = std::min<size_t>(size_t(at) + window + 1, sorted.size());
+      for (size_t k = begin; k < end; ++k) consider(sorted[at].place, sorted[k].place);
+    });
+  }
+
+  /// Neighbours of neighbours.
+  void refine() {
+    const Nearest before = *this;
+    for_each_place(among_.size(), [&](uint32_t i) {
+      for (const Neighbour& n : before.list(i)) {
+        if (n.column == ~0U) break;
+        for (const Neighbour& next : before.list(n.column))
+          if (next.column != ~0U) consider(i, next.column);
+      }
+    });
+  }
+
+  NeighbourLists lists() const {
+    NeighbourLists lists;
+    lists.first.reserve(among_.size() + 1);
+    lists.first.push_back(0);
+    for (uint32_t i = 0; i < among_.size(); ++i) {
+      for (const Neighbour& n : list(i))
+        if (n.column != ~0U) lists.all.push_back(n);
+      lists.first.push_back(lists.all.size());
+    }
+    return lists;
+  }
+
+ private:
+  static void insert(std::span<Neighbour> near, const Neighbour& found) {
     if (!(found < near.back())) return;
     const auto at = std::lower_bound(near.begin(), near.end(), found);
     std::move_backward(at, near.end() - 1, near.end());
     *at = found;
   }
 
- private:
   const Incidence& matrix_;
   std::span<const uint32_t> among_;
   uint32_t count_;
@@ -82,33 +126,29 @@ class Nearest {
 NeighbourLists near_columns(const Incidence& matrix, std::span<const uint32_t> among, const NeighbourOptions& options) {
   Nearest nearest(matrix, among, std::max(options.count, 1U));
   std::vector<Signature> sorted(among.size());
-  for (uint32_t round = 0; round < options.rounds; ++round) {
-    for_each_place(among.size(), [&](uint32_t i) { sorted[i] = signature_of(matrix.column(among[i]), i, round + 1); });
-    tbb::parallel_sort(sorted.begin(), sorted.end());
-    for_each_place(among.size(), [&](uint32_t at) {
-      const size_t begin = at > options.window ? at - options.window : 0;
-      const size_t end = std::min<size_t>(at + options.window + 1, sorted.size());
-      for (size_t k = begin; k < end; ++k) nearest.consider(sorted[at].place, sorted[k].place);
-    });
-  }
-  for (uint32_t round = 0; round < options.refinements; ++round) {
-    const Nearest before = nearest;
-    for_each_place(among.size(), [&](uint32_t i) {
-      for (const Neighbour& n : before.list(i)) {
-        if (n.column == ~0U) break;
-        for (const Neighbour& next : before.list(n.column))
-          if (next.column != ~0U) nearest.consider(i, next.column);
-      }
-    });
-  }
-  NeighbourLists lists;
-  lists.first.push_back(0);
-  for (uint32_t i = 0; i < among.size(); ++i) {
-    for (const Neighbour& n : nearest.list(i))
-      if (n.column != ~0U) lists.all.push_back(n);
-    lists.first.push_back(lists.all.size());
-  }
-  return lists;
+  for (uint32_t round = 0; round < options.rounds; ++round) nearest.search(round, options.window, sorted);
+  for (uint32_t i = 0; i < options.refinements; ++i) nearest.refine();
+  return nearest.lists();
+}
+
+NeighbourLists near_columns_of_round(const Incidence& matrix, std::span<const uint32_t> among,
+                                     const NeighbourOptions& options, uint32_t round) {
+  Nearest nearest(matrix, among, std::max(options.count, 1U));
+  std::vector<Signature> sorted(among.size());
+  nearest.search(round, options.window, sorted);
+  return nearest.lists();
+}
+
+NeighbourLists near_columns_of_parts(const Incidence& matrix, std::span<const uint32_t> among,
+                                     const NeighbourOptions& options, std::span<const NeighbourLists> parts) {
+  // The nearest of all are among the nearest of each part.
+  Nearest nearest(matrix, among, std::max(options.count, 1U));
+  for_each_place(among.size(), [&](uint32_t i) {
+    for (const NeighbourLists& part : parts)
+      for (const Neighbour& n : part.of(i)) nearest.add(i, n);
+  });
+  for (uint32_t i = 0; i < options.refinements; ++i) nearest.refine();
+  return nearest.lists();
 }
 
 }  // namespace promenade

@@ -35,4 +35,11 @@ struct NeighbourLists {
 /// log n. Deterministic, whatever the number of threads; runs on the threads of the arena.
 NeighbourLists near_columns(const Incidence& matrix, std::span<const uint32_t> among, const NeighbourOptions& options);
 
+/// The same in parts, one for each of options.rounds, that several machines may make: what is found by one random order
+/// of the rows; and all of it from the parts of all rounds, the same as at once.
+NeighbourLists near_columns_of_round(const Incidence& matrix, std::span<const uint32_t> among,
+                                     const NeighbourOptions& options, uint32_t round);
+NeighbourLists near_columns_of_parts(const Incidence& matrix, std::span<const uint32_t> among,
+                                     const NeighbourOptions& options, std::span<const NeighbourLists> parts);
+
 }  // namespace promenade

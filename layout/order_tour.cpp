@@ -297,21 +297,23 @@ std::vector<uint32_t> kinds_of(const Tour& tour) {
 
 }  // namespace
 
-ColumnOrder tour_order(const Incidence& matrix, const TourOptions& options, TourFigures* figures) {
+Result<ColumnOrder> tour_order(const Incidence& matrix, const TourOptions& options, const NearSource& near_source,
+                               TourFigures* figures) {
   TourFigures ignored;
   TourFigures& f = figures != nullptr ? *figures : ignored;
   const DistinctColumns distinct = distinct_columns(matrix);
   const Cities cities(matrix, distinct.first);
   f.distinct_columns = distinct.first.size();
   auto start = std::chrono::steady_clock::now();
-  const NeighbourLists near = near_columns(matrix, distinct.first, options.neighbours);
+  const Result<NeighbourLists> near = near_source(distinct.first, options.neighbours);
+  if (!near) return near.error();
   f.neighbours_s = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  Tour tour(greedy_tour(matrix, distinct.first, cities, near, options.neighbours), options.longest_turn);
+  Tour tour(greedy_tour(matrix, distinct.first, cities, *near, options.neighbours), options.longest_turn);
   f.seed_s = seconds_since(start);
   f.runs_of_seed = count_runs(matrix, spread(distinct, kinds_of(tour)));
   start = std::chrono::steady_clock::now();
-  Improver improver(cities, near, tour);
+  Improver improver(cities, *near, tour);
   for (f.passes = 0; f.passes < options.passes;) {
     const uint64_t steps = improver.pass();
     if (++f.passes == 1) f.runs_after_pass_1 = count_runs(matrix, spread(distinct, kinds_of(tour)));
@@ -321,6 +323,13 @@ ColumnOrder tour_order(const Incidence& matrix, const TourOptions& options, Tour
   ColumnOrder order = spread(distinct, kinds_of(tour));
   f.runs = count_runs(matrix, order);
   return order;
+}
+
+ColumnOrder tour_order(const Incidence& matrix, const TourOptions& options, TourFigures* figures) {
+  const auto at_once = [&matrix](std::span<const uint32_t> among, const NeighbourOptions& near) {
+    return Result<NeighbourLists>(near_columns(matrix, among, near));
+  };
+  return *tour_order(matrix, options, at_once, figures);
 }
 
 }  // namespace promenade

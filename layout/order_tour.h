@@ -3,6 +3,7 @@
 // section 3; D. S. Johnson and L. A. McGeoch, The traveling salesman problem: a case study, 1997.
 
 #include <cstdint>
+#include <functional>
 
 #include "layout/incidence.h"
 #include "layout/order_neighbours.h"
@@ -26,6 +27,13 @@ struct TourFigures {
 /// Greedy tour over near neighbours, improved by 2-opt and Or-opt with neighbour lists. Deterministic, whatever the
 /// number of threads.
 ColumnOrder tour_order(const Incidence& matrix, const TourOptions& options, TourFigures* figures = nullptr);
+
+/// Where the near neighbours of a matrix' distinct columns come from, when not from near_columns: from work units.
+using NearSource =
+    std::function<Result<NeighbourLists>(std::span<const uint32_t> among, const NeighbourOptions& options)>;
+/// The same with neighbours from elsewhere. Errors: the source's.
+Result<ColumnOrder> tour_order(const Incidence& matrix, const TourOptions& options, const NearSource& near_source,
+                               TourFigures* figures = nullptr);
 
 /// A lower bound on the runs of any order: half the length of the best 1-tree over the distinct columns and an empty
 /// one, after `steps` of the subgradient method (M. Held and R. M. Karp, 1971). Time in proportion to the square of

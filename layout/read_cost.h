@@ -24,6 +24,7 @@ const StorageProfile* find_storage_profile(std::string_view name);  ///< null: t
 /// Bytes that are wanted.
 struct Extent {
   uint64_t offset = 0, bytes = 0;
+  uint64_t end() const { return offset + bytes; }
 };
 
 struct ReadPlan {
@@ -32,16 +33,29 @@ struct ReadPlan {
   void add(const ReadPlan& other);
 };
 
-/// Aligned reads that cover all extents: two become one when reading what lies between takes no longer than a seek.
-/// extents: by offset, without overlap. Pure.
-ReadPlan plan_reads(std::span<const Extent> extents, const StorageProfile& profile);
+/// Aligned reads that cover all extents, by offset. Two become one when reading what lies between takes no longer than
+/// a seek, the nearest two first, and as long as at least this share of what is read is wanted; reads in one block
+/// always do. least_useful: 0 to 1; 0: as fast as can be. extents: by offset, without overlap. Pure.
+std::vector<Extent> merge_reads(std::span<const Extent> extents, const StorageProfile& profile,
+                                double least_useful = 0);
+
+/// What these reads are, and take.
+ReadPlan plan_reads(std::span<const Extent> extents, const StorageProfile& profile, double least_useful = 0);
 
 /// A step's nodes on a disk whose nodes lie one behind the other: node_bytes by place in the order. places: ascending.
 class NodeLayout {
  public:
   explicit NodeLayout(std::span<const uint32_t> node_bytes);
+  uint32_t nodes() const { return static_cast<uint32_t>(ends_.size() - 1); }
   uint64_t bytes() const { return ends_.back(); }
-  ReadPlan plan(std::span<const uint32_t> places, const StorageProfile& profile) const;
+  uint64_t bytes_of(uint32_t place) const { return ends_[place + 1] - ends_[place]; }
+  std::vector<Extent> extents(std::span<const uint32_t> places) const;
+  ReadPlan plan(std::span<const uint32_t> places, const StorageProfile& profile, double least_useful = 0) const;
+  /// The places whose nodes a read brings whole: from first to before last.
+  struct Places {
+    uint32_t first = 0, last = 0;
+  };
+  Places whole_in(const Extent& read) const;
 
  private:
   std::vector<uint64_t> ends_ = {0};  ///< by place: where the nodes before it end

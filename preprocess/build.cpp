@@ -247,10 +247,23 @@ class Build {
     figures_.units_total += made->figures.units.total;
     figures_.units_resumed += made->figures.units.resumed;
     const auto nodes = static_cast<uint32_t>(reader->model().tables.nodes.size());
-    const Result<ColumnOrder> order = node_order(reader->model(), *made, options_.order);
+    const Result<NodeOrder> order = node_order(reader->model(), *made, options_.order, folder_, monitor_);
     if (!order.ok()) return order.error();
-    PROMENADE_TRY(writer.reorder(*order));
-    return writer.add_cells(made->cells, [&](CellId cell) { return decoded(made->vlods[index_of(cell)], nodes); });
+    PROMENADE_TRY(writer.reorder(order->order));
+    PROMENADE_TRY(
+        writer.add_cells(made->cells, [&](CellId cell) { return decoded(made->vlods[index_of(cell)], nodes); }));
+    figures_.delta_ids_mean = order->delta_ids_mean;
+    return count_delta_bytes(writer);
+  }
+
+  /// The blocks of vLODs tell every delta: their bytes, shared among the faces.
+  Status count_delta_bytes(const ModelWriter& writer) {
+    const Result<ModelReader> reader = ModelReader::open(writer.staged_folder(), files_);
+    if (!reader.ok()) return reader.error();
+    uint64_t bytes = 0;
+    for (const VlodBlock& block : reader->cells()->blocks()) bytes += block.stored_bytes;
+    figures_.delta_bytes_mean = double(bytes) / std::max<double>(1, double(reader->cells()->tables().faces.size()));
+    return Done{};
   }
 
   const BuildOptions& options_;

@@ -40,6 +40,8 @@ struct BuildFigures {
   uint64_t spill_bytes_peak = 0;
   uint64_t units_total = 0, units_resumed = 0;
   VisibilityFigures visibility;                   ///< zeros without cells
+  double delta_ids_mean = 0;                      ///< nodes that leave or enter across a face between cells
+  double delta_bytes_mean = 0;                    ///< of the coded vLODs, a face: all deltas follow from them
   std::map<std::string, uint64_t> bytes_by_part;  ///< "geometry", "textures", "tables", "cells", "manifest"
   std::map<std::string, double> stage_wall_s;     ///< "survey", "partition", "simplify", ...
   std::map<std::string, uint64_t> import_counts;

@@ -1,10 +1,15 @@
 // What a cell's front costs in the build, and a step from cell to cell at run time.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
 #include <random>
 
 #include "codec/id_set.h"
 #include "layout/cell_front.h"
+#include "layout/cells_io.h"
+#include "layout/node_forest.h"
 #include "preprocess/visibility/view_cells.h"
 #include "runtime/cursor.h"
 #include "runtime/vlod_marks.h"
@@ -106,6 +111,40 @@ void marks_step(benchmark::State& state) {
   state.counters["nodes"] = double(a.size());
 }
 BENCHMARK(marks_step)->Unit(benchmark::kMicrosecond);
+
+/// Any cell's whole set from disk, without anything read before: every vLOD of a model's cells in turn, its block not
+/// among those that were read last. longest_ms: the slowest of all cells. The argument: levels of the quadtree.
+void teleports(benchmark::State& state) {
+  const Model model = quadtree(static_cast<uint32_t>(state.range(0)));
+  const CellTables tables = cells();
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "promenade_bench_cells.bin";
+  const CellsOwner owner{1, static_cast<uint32_t>(model.tables.nodes.size())};
+  const Result<NodeForest> forest = node_forest(model.tables);
+  const auto vlod_of = [&](CellId cell) {
+    return Result<std::vector<NodeId>>(cell_front(model, tables.cells[index_of(cell)].box, one_pixel()));
+  };
+  if (!write_cells(file, tables, owner, *forest, vlod_of).ok()) return state.SkipWithError("cannot write");
+  const Result<CellsReader> reader = CellsReader::open(file, owner, *forest);
+  if (!reader.ok()) return state.SkipWithError("cannot open");
+  const auto count = static_cast<uint32_t>(tables.cells.size());
+  std::mt19937 random(1);
+  double longest_s = 0;
+  size_t nodes = 0, reads = 0;
+  for (auto _ : state) {
+    const auto start = std::chrono::steady_clock::now();
+    const Result<Vlod> vlod = reader->read_vlod(CellId{static_cast<uint32_t>(random() % count)});
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    longest_s = std::max(longest_s, seconds);
+    nodes += vlod->nodes.size(), reads += vlod->bytes_read > 0 ? 1U : 0U;
+  }
+  const double times = double(state.iterations());
+  state.counters["nodes"] = double(nodes) / times;
+  state.counters["read_share"] = double(reads) / times;
+  state.counters["longest_ms"] = longest_s * 1e3;
+  state.counters["blocks"] = double(reader->blocks().size());
+  std::filesystem::remove(file);
+}
+BENCHMARK(teleports)->Arg(5)->Arg(7)->Arg(9)->Unit(benchmark::kMicrosecond);
 
 void decode_vlod(benchmark::State& state) {
   const Model model = quadtree(7);

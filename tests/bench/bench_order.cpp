@@ -8,6 +8,7 @@
 #include <random>
 
 #include "layout/order.h"
+#include "layout/order_landscape.h"
 #include "layout/order_rivals.h"
 
 namespace promenade {
@@ -51,6 +52,16 @@ void BM_tour(benchmark::State& state) {
   state.counters["improvement"] = input / static_cast<double>(figures.runs);
 }
 BENCHMARK(BM_tour)->Arg(500)->Arg(1000)->Arg(3000)->Arg(9000)->Arg(27000)->Arg(1000000)->Unit(benchmark::kMillisecond);
+
+/// The same for what steps across a landscape bring, whose input order is good already.
+void BM_tour_of_landscape(benchmark::State& state) {
+  const Incidence matrix = landscape_steps(static_cast<uint32_t>(state.range(0)));
+  TourFigures figures;
+  for (auto unused : state) benchmark::DoNotOptimize(tour_order(matrix, TourOptions(), &figures).size());
+  state.counters["ones"] = static_cast<double>(matrix.ones.size());
+  state.counters["improvement"] = static_cast<double>(runs_of_input(matrix)) / static_cast<double>(figures.runs);
+}
+BENCHMARK(BM_tour_of_landscape)->Arg(9000)->Arg(100000)->Unit(benchmark::kMillisecond);
 
 void BM_bisection(benchmark::State& state) {
   const Incidence matrix = scattered_runs(static_cast<uint32_t>(state.range(0)));

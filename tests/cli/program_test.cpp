@@ -222,8 +222,50 @@ TEST_F(SmallCity, ways_to_store_what_cells_see_are_compared) {
   }
   EXPECT_GT(of_blocks, 0);
   EXPECT_GT(of_frames, 0);
-  for (const char* file : {"sets/vlods.txt", "sets/deltas.txt", "sets/nodes.txt"})
+  EXPECT_LT(2 * of_blocks, of_frames);
+  for (const char* file : {"sets/vlods.txt", "sets/deltas.txt", "sets/nodes.txt", "sets/walk.txt"})
     EXPECT_TRUE(fs::exists(folder() / file)) << file;
+}
+
+TEST_F(SmallCity, studies_along_a_path_leave_a_page_each) {
+  for (const std::string part : {"codecs", "orders"}) {
+    const ProgramRun run =
+        run_program("study " + part + " city.prom --path city_walk.json --report page.html --json page.json", folder());
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    std::ifstream in(folder() / "page.html");
+    const std::string page{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_NE(page.find("<svg"), std::string::npos);
+    EXPECT_NE(page.find("city_walk.json"), std::string::npos);
+    EXPECT_EQ(page.find("http"), std::string::npos) << "the page stands alone";
+  }
+}
+
+TEST_F(SmallCity, table_1_is_made_of_as_many_columns_as_asked_for) {
+  const ProgramRun run = run_program("study orders city.prom --table 3000 --json table.json", folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "table.json");
+  ASSERT_EQ(figures["table"].size(), 3U);
+  for (const json& row : figures["table"]) {
+    EXPECT_EQ(row["generated"].get<bool>(), row["columns"] > figures["nodes"]);
+    EXPECT_LE(row["runs"], row["runs_seed"]);
+    EXPECT_LE(row["runs"], row["runs_shuffled"]);
+    if (row["runs_lower_bound"] > 0) {
+      EXPECT_LE(row["runs_lower_bound"], row["runs"]);
+    }
+  }
+  EXPECT_NE(run.out.find("| 3000"), std::string::npos);
+}
+
+TEST_F(SmallCity, a_build_tells_what_changes_between_cells) {
+  const json build = json_in(folder() / "build.json");
+  const ProgramRun run = run_program("study codecs city.prom --json codecs.json", folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json study = json_in(folder() / "codecs.json");
+  EXPECT_NEAR(double(build["delta_ids_mean"]), double(study["delta_ids_mean"]), 1e-9);
+  for (const json& codec : study["codecs"])
+    if (codec["default"]) {
+      EXPECT_NEAR(double(build["delta_bytes_mean"]), double(codec["bytes_per_delta_mean"]), 1e-9);
+    }
 }
 
 TEST_F(SmallCity, orders_of_nodes_are_compared_with_one_of_ones_own) {
@@ -243,7 +285,13 @@ TEST_F(SmallCity, orders_of_nodes_are_compared_with_one_of_ones_own) {
   }
   EXPECT_EQ(runs.at("file"), runs.at("input")) << "runs are the same from either end";
   EXPECT_LE(runs.at("tour"), runs.at("input"));
+  for (const json& order : figures["orders"])
+    if (order.contains("walk")) {
+      EXPECT_GT(double(order["walk"]["ssd"]["useful_share"]), 0) << order["name"];
+      EXPECT_LE(double(order["walk"]["ssd"]["useful_share"]), 1) << order["name"];
+    }
   EXPECT_EQ(run_program("study orders city.prom --order backwards.txt", folder()).exit_code, 2);
+  EXPECT_EQ(run_program("study orders city.prom --disk drum", folder()).exit_code, 2);
   expect_one_clear_line(run_program("study orders city.prom --order file:city_walk.json", folder()), "line 1");
 }
 

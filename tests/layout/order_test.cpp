@@ -8,7 +8,10 @@
 #include <numeric>
 #include <random>
 
+#include "layout/order_columns.h"
+#include "layout/order_landscape.h"
 #include "layout/order_rivals.h"
+#include "layout/step_sets.h"
 
 namespace promenade {
 namespace {
@@ -113,6 +116,58 @@ TEST(Tour, is_the_same_on_any_number_of_threads) {
     return tour_order(matrix, TourOptions());
   };
   EXPECT_EQ(with_threads(1), with_threads(4));
+}
+
+TEST(Neighbours, of_parts_are_those_found_at_once) {
+  const Incidence matrix = hidden_runs(700, 900, 6);
+  std::vector<uint32_t> among(700);
+  std::iota(among.begin(), among.end(), 0U);
+  const NeighbourOptions options;
+  std::vector<NeighbourLists> parts;
+  for (uint32_t round = 0; round < options.rounds; ++round)
+    parts.push_back(near_columns_of_round(matrix, among, options, round));
+  std::reverse(parts.begin(), parts.end());
+  const NeighbourLists at_once = near_columns(matrix, among, options);
+  const NeighbourLists together = near_columns_of_parts(matrix, among, options, parts);
+  EXPECT_EQ(together.first, at_once.first);
+  EXPECT_EQ(together.all, at_once.all);
+  EXPECT_NE(parts[0].all, at_once.all) << "or one round would do";
+}
+
+TEST(Tour, says_what_its_source_of_neighbours_could_not_do) {
+  const Incidence matrix = hidden_runs(50, 60, 7);
+  const auto broken = [](std::span<const uint32_t>, const NeighbourOptions&) {
+    return Result<NeighbourLists>(Error{"no disk"});
+  };
+  const Result<ColumnOrder> order = tour_order(matrix, TourOptions(), broken);
+  ASSERT_FALSE(order.ok());
+  EXPECT_EQ(order.error().message, "no disk");
+}
+
+TEST(Landscape, has_sound_columns_of_any_number) {
+  for (const uint32_t columns : {0U, 1U, 2U, 21U, 500U, 3000U}) {
+    const Incidence matrix = landscape_steps(columns);
+    ASSERT_EQ(matrix.columns(), columns);
+    for (uint32_t i = 0; i < columns; ++i) {
+      const std::span<const uint32_t> ones = matrix.column(i);
+      EXPECT_TRUE(std::is_sorted(ones.begin(), ones.end()));
+      EXPECT_EQ(std::adjacent_find(ones.begin(), ones.end()), ones.end());
+      EXPECT_TRUE(ones.empty() || ones.back() < matrix.rows);
+    }
+  }
+  EXPECT_EQ(landscape_steps(3000).ones, landscape_steps(3000).ones);
+  EXPECT_GT(distinct_columns(landscape_steps(3000)).first.size(), 2500U) << "a node is not like the next";
+}
+
+TEST(StepRows, have_what_enters_either_way) {
+  const Rows vlods = {{1, 4, 7}, {1, 5, 6}, {}};
+  const std::vector<CellFace> faces = {{CellId{0}, CellId{1}, 0, 0, 0}, {CellId{2}, CellId{0}, 1, 0, 0}};
+  const Rows rows = step_rows(vlods, faces);
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_THAT(rows[0], ElementsAre(5, 6));
+  EXPECT_THAT(rows[1], ElementsAre(4, 7));
+  EXPECT_THAT(rows[2], ElementsAre(1, 4, 7));
+  EXPECT_THAT(rows[3], ElementsAre());
 }
 
 TEST(Tour, never_gets_longer_while_it_is_improved) {
