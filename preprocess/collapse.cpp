@@ -30,6 +30,10 @@ constexpr float kCellBorderWeight = 4;
 constexpr float kPlaneWeight = 0.5F;
 /// A metre of edge length: between collapses that cost nothing the shorter goes first, for rounder triangles.
 constexpr float kLengthWeight = 1e-4F;
+/// Cosine of the turn at an edge from which it is a crease: beyond it lies another plane.
+constexpr float kCreaseCosine = 0.9999F;
+/// Pieces that points divide an edge into: bounds the time on long ones.
+constexpr float kMostPieces = 16;
 
 uint32_t triangle_of(uint32_t corner) { return corner / 3; }
 uint32_t next_corner_in(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
@@ -37,7 +41,7 @@ uint32_t previous_corner_in(uint32_t corner) { return corner % 3 == 0 ? corner +
 
 }  // namespace
 
-Collapser::Collapser(WorkMesh& work, const Mesh& source, std::vector<uint8_t> cell_faces)
+Collapser::Collapser(WorkMesh& work, const Mesh& source, std::vector<uint8_t> cell_faces, float spacing_m)
     : work_(work),
       source_(source),
       cell_faces_(std::move(cell_faces)),
@@ -51,9 +55,36 @@ Collapser::Collapser(WorkMesh& work, const Mesh& source, std::vector<uint8_t> ce
   for (uint32_t t = 0; t < work.triangle_count(); ++t) set_normal(t);
   for (uint32_t p = 0; p < work.place_count(); ++p) {
     if (work.first_corner[p] == kNone) continue;
-    const uint32_t t = triangle_of(work.first_corner[p]);
-    next_point_[p] = first_point_[t];
-    first_point_[t] = p;
+    attach(p, triangle_of(work.first_corner[p]));
+  }
+  for (uint32_t corner = 0; corner < work.place.size(); ++corner)
+    if (is_crease(corner)) add_points_along(corner, spacing_m);
+}
+
+/// Whether the edge from a corner to its triangle's next one is open or lies between two planes, and the triangle is
+/// the first that has it.
+bool Collapser::is_crease(uint32_t corner) const {
+  const uint32_t triangle = triangle_of(corner);
+  const uint32_t to = work_.place[next_corner_in(corner)];
+  bool open = true, bent = false;
+  for (uint32_t c = work_.first_corner[work_.place[corner]]; c != kNone; c = work_.next_corner[c]) {
+    if (triangle_of(c) == triangle ||
+        (work_.place[next_corner_in(c)] != to && work_.place[previous_corner_in(c)] != to))
+      continue;
+    if (triangle_of(c) < triangle) return false;
+    open = false;
+    bent = bent || glm::dot(normals_[triangle_of(c)], normals_[triangle]) < kCreaseCosine;
+  }
+  return open || bent;
+}
+
+void Collapser::add_points_along(uint32_t corner, float spacing_m) {
+  const glm::vec3 from = work_.at(corner), along = work_.at(next_corner_in(corner)) - from;
+  const float pieces = std::min(std::ceil(glm::length(along) / spacing_m), kMostPieces);
+  for (float i = 1; i < pieces; ++i) {
+    points_.push_back(from + along * (i / pieces));
+    next_point_.push_back(kNone);
+    attach(static_cast<uint32_t>(points_.size() - 1), triangle_of(corner));
   }
 }
 
@@ -292,10 +323,9 @@ void Collapser::gather_candidates(uint32_t place, uint32_t target) {
   make_frames();
 }
 
-Collapser::Moved Collapser::nearest_candidate(uint32_t point, float& distance2) const {
-  const glm::vec3 p = points_[point];
+uint32_t Collapser::nearest_candidate(const glm::vec3& p, float& distance2) const {
   const Lanes px = _mm_set1_ps(p.x), py = _mm_set1_ps(p.y), pz = _mm_set1_ps(p.z);
-  Moved best{point, kNone};
+  uint32_t best = kNone;
   distance2 = kInfinity;
   for (size_t g = 0; g < frames_.size(); ++g) {
     const Frames& f = frames_[g];
@@ -311,7 +341,7 @@ Collapser::Moved Collapser::nearest_candidate(uint32_t point, float& distance2) 
     for (size_t i = 0; i < kLanes; ++i)
       if (lanes[i] < distance2) {
         distance2 = lanes[i];
-        best.triangle = candidates_[std::min(g * kLanes + i, candidates_.size() - 1)];
+        best = candidates_[std::min(g * kLanes + i, candidates_.size() - 1)];
       }
   }
   return best;
@@ -326,7 +356,7 @@ float Collapser::measure(uint32_t place, uint32_t target, float limit_m, std::ve
   for (const uint32_t c : fan_)
     for (uint32_t p = first_point_[triangle_of(c)]; p != kNone; p = next_point_[p]) {
       float distance2 = 0;
-      moved.push_back(nearest_candidate(p, distance2));
+      moved.push_back({p, nearest_candidate(points_[p], distance2)});
       farthest2 = std::max(farthest2, distance2);
       if (farthest2 > limit2) return std::sqrt(farthest2);
     }
@@ -338,20 +368,33 @@ void Collapser::attach(uint32_t point, uint32_t triangle) {
   first_point_[triangle] = point;
 }
 
-void Collapser::add_point(const glm::vec3& point, uint32_t place) {
+/// The triangles around a place, as they are.
+void Collapser::gather_around(uint32_t place) {
   corners_.clear();
   candidates_.clear();
   for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c])
     if (work_.alive[triangle_of(c)] != 0)
       add_candidate(triangle_of(c), work_.positions[place], work_.positions[work_.place[next_corner_in(c)]],
                     work_.positions[work_.place[previous_corner_in(c)]]);
-  if (candidates_.empty()) return;
   make_frames();
+}
+
+float Collapser::distance_around(const glm::vec3& point, uint32_t place) {
+  gather_around(place);
+  if (candidates_.empty()) return 0;
+  float distance2 = 0;
+  nearest_candidate(point, distance2);
+  return std::sqrt(distance2);
+}
+
+void Collapser::add_point(const glm::vec3& point, uint32_t place) {
+  gather_around(place);
+  if (candidates_.empty()) return;
+  float distance2 = 0;
+  const uint32_t triangle = nearest_candidate(point, distance2);
   points_.push_back(point);
   next_point_.push_back(kNone);
-  float distance2 = 0;
-  const Moved nearest = nearest_candidate(static_cast<uint32_t>(points_.size() - 1), distance2);
-  attach(nearest.point, nearest.triangle);
+  attach(static_cast<uint32_t>(points_.size() - 1), triangle);
 }
 
 void Collapser::points_on(uint32_t triangle, std::vector<glm::vec3>& points) const {

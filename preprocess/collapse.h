@@ -14,13 +14,15 @@ namespace promenade {
 ///
 /// Costs are distances in metres, in two steps. The estimate looks at planes: how far the target lies from those of the
 /// triangles that move, and from the lines of open edges and of edges where material or colour changes. The measurement
-/// looks at points: every place of the source is kept as a point on the triangle nearest to it, and a collapse costs
-/// the largest distance at which it leaves a point from the triangles around. So errors never add up unseen, as they do
-/// in quadrics, and planes that are gone forbid nothing.
+/// looks at points: every place of the source is kept as a point on the triangle nearest to it, so are points along its
+/// long creases, and a collapse costs the largest distance at which it leaves a point from the triangles around. So
+/// errors never add up unseen, as they do in quadrics, and planes that are gone forbid nothing.
 class Collapser {
  public:
   /// cell_faces: of each place, bits of the cell's faces that it lies on: edges along a face are held in it firmly.
-  Collapser(WorkMesh& work, const Mesh& source, std::vector<uint8_t> cell_faces);
+  /// spacing_m: between points on open edges and creases, > 0: a ledge's ends may come to lie on other walls while its
+  /// middle hangs in the air. Smaller: errors closer to the costs; slower.
+  Collapser(WorkMesh& work, const Mesh& source, std::vector<uint8_t> cell_faces, float spacing_m);
 
   /// Of each place: those never go, but others may go onto them.
   void set_locked(std::vector<uint8_t> locked) { locked_ = std::move(locked); }
@@ -47,6 +49,8 @@ class Collapser {
   /// Places that share a triangle with this one, each once. Valid until the next call of anything here.
   const std::vector<uint32_t>& ring_of(uint32_t place);
 
+  /// Distance of a point to the triangles around a place; 0 where there are none.
+  float distance_around(const glm::vec3& point, uint32_t place);
   /// Gives a point to the triangle nearest to it around a place. It counts in later costs.
   void add_point(const glm::vec3& point, uint32_t place);
 
@@ -79,6 +83,8 @@ class Collapser {
     float contrast;
   };
 
+  bool is_crease(uint32_t corner) const;
+  void add_points_along(uint32_t corner, float spacing_m);
   void find_ring(uint32_t place);
   void find_lines(uint32_t place);
   bool may_go(uint32_t place);
@@ -98,7 +104,8 @@ class Collapser {
   void gather_candidates(uint32_t place, uint32_t target);
   void make_frames();
   void add_candidate(uint32_t triangle, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
-  Moved nearest_candidate(uint32_t point, float& distance2) const;
+  void gather_around(uint32_t place);
+  uint32_t nearest_candidate(const glm::vec3& point, float& distance2) const;
   void attach(uint32_t point, uint32_t triangle);
 
   WorkMesh& work_;

@@ -118,6 +118,23 @@ TEST(Simplify, a_zebra_crossing_outlives_pebbles_that_stand_higher_above_the_str
   EXPECT_NEAR(white_m2, 8 * 0.5 * 4, 1e-3);
 }
 
+TEST(Simplify, a_rail_on_posts_at_its_ends_middle_and_thirds_outlives_bumps) {
+  constexpr glm::u8vec4 kGrey{128, 128, 128, 255};
+  Mesh mesh;
+  for (int post = 0; post <= 6; ++post) {
+    const float x = 2 * float(post);
+    add_box(mesh, {x - 0.05F, 2, 0}, {x + 0.05F, 2.1F, 1}, kGrey);
+  }
+  add_box(mesh, {0, 2, 1}, {12, 2.1F, 1.04F}, kGrey);
+  Numbers numbers(7);
+  Mesh bumps = grid(40, 12, [&](float, float) { return numbers.between(-0.4F, 0); });
+  bumps.colors.assign(bumps.vertex_count(), kGrey);
+  append(mesh, bumps);
+  const Mesh result = simplified(mesh, 300);
+  expect_sound(mesh, result, 300);
+  EXPECT_LT(surface_distance(mesh, result).bound_m, 0.5F);
+}
+
 TEST(Simplify, a_lone_part_far_away_outlives_larger_ones_that_lie_close) {
   Mesh mesh;
   add_box(mesh, glm::vec3(0), glm::vec3(10), {255, 255, 255, 255});
