@@ -220,7 +220,8 @@ Command add_build(CLI::App& program) {
   app->add_option("--node-triangles", options->node_triangles,
                   "Most triangles of a node; more: fewer draws, coarser culling")
       ->capture_default_str();
-  app->add_option("--level-factor", options->level_factor, "Children a node and ratio of triangles between levels")
+  app->add_option("--level-factor", options->level_factor,
+                  "About how many children a node has: the ratio of triangles between levels")
       ->capture_default_str();
   add_parsed<GeometryCodec>(*app, "--geometry-codec", options->geometry_codec, parse_codec, "draco, meshopt or raw")
       ->default_str("meshopt");
