@@ -12,7 +12,7 @@ constexpr const char* kStyle = R"(<style>
 @media (prefers-color-scheme: dark) { :root { --ink: #e8e6e1; --paper: #171a1f; --faint: #3a3f47; --bound: #ff8a80; } }
 body { font: 15px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 900px; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.5rem; margin-bottom: 0; } p { margin-top: .2rem; }
-table { border-collapse: collapse; } th { text-align: left; font-weight: normal; padding-right: 2rem; } td { text-align: right; font-variant-numeric: tabular-nums; }
+table { border-collapse: collapse; } th { text-align: left; font-weight: normal; padding-right: 2rem; } td { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
 tr { border-bottom: 1px solid var(--faint); }
 .pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(270px, 1fr)); gap: .6rem; margin: 1.2rem 0; }
 figure { margin: 0; } img { width: 100%; border-radius: 4px; } figcaption { font-size: 12px; }

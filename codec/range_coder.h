@@ -14,27 +14,26 @@ class BitModel {
  public:
   static constexpr unsigned kBits = 12;
   /// In 1 / 4096, 1 to 4095.
-  [[gnu::always_inline]] uint32_t zero() const { return probability_ >> (16 - kBits); }
+  [[gnu::always_inline]] uint32_t zero() const { return state_ >> (32 - kBits); }
   [[gnu::always_inline]] void update(uint32_t bit) {
-    const unsigned rate = kRates[seen_];
-    if (bit == 0)
-      probability_ = static_cast<uint16_t>(probability_ + ((0x10000U - probability_) >> rate));
-    else
-      probability_ = static_cast<uint16_t>(probability_ - (probability_ >> rate));
-    if (seen_ + 1U < kRates.size()) ++seen_;
+    const uint32_t seen = state_ & kSeen, p = state_ >> 16;
+    const unsigned rate = kRates[seen];
+    const uint32_t next = bit == 0 ? p + ((0x10000U - p) >> rate) : p - (p >> rate);
+    state_ = next << 16 | (seen + (seen < kSeen ? 1 : 0));
   }
+  /// The same without a branch on the decision.
   [[gnu::always_inline]] void update_value(uint32_t bit) {
-    const unsigned rate = kRates[seen_];
-    const uint32_t mask = 0U - bit, up = (0x10000U - probability_) >> rate, down = probability_ >> rate;
-    probability_ = static_cast<uint16_t>(probability_ + (up & ~mask) - (down & mask));
-    if (seen_ + 1U < kRates.size()) ++seen_;
+    const uint32_t seen = state_ & kSeen, p = state_ >> 16;
+    const unsigned rate = kRates[seen];
+    const uint32_t mask = 0U - bit, up = (0x10000U - p) >> rate, down = p >> rate;
+    state_ = (p + (up & ~mask) - (down & mask)) << 16 | (seen + (seen < kSeen ? 1 : 0));
   }
 
  private:
   /// Shares of the way to certainty, as powers of two. At rate 5 both ends stay away from certainty by 31 / 65536.
   static constexpr std::array<uint8_t, 16> kRates = {1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 4, 5};
-  uint16_t probability_ = 0x8000;
-  uint16_t seen_ = 0;
+  static constexpr uint32_t kSeen = 15;
+  uint32_t state_ = 0x80000000U;  ///< the chance of a 0 in 1 / 65536, and in the last bits how often it was asked
 };
 
 /// Source of the arithmetic: G. N. N. Martin, Range encoding, 1979; here with 64 bits, of which 32 leave at once.
