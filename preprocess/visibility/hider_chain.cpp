@@ -61,15 +61,16 @@ class ChainMaker {
       return owning(make_horizon_hider(model_.model(), *share->parts, share->occluders), share);
     }
     if (name == "portals") {
-      PROMENADE_TRY(need_parts());
       Result<Rooms> rooms = find_rooms(model_, RoomOptions(), monitor_);
       if (!rooms) return rooms.error();
+      Result<RoomParts> parts = find_room_parts(model_, *rooms, monitor_);
+      if (!parts) return parts.error();
       struct Share {
-        std::shared_ptr<NodeParts> parts;
         Rooms rooms;
+        RoomParts parts;
       };
-      auto share = std::make_shared<Share>(Share{parts_, std::move(*rooms)});
-      return owning(make_portals_hider(model_.model(), *share->parts, share->rooms), share);
+      auto share = std::make_shared<Share>(Share{std::move(*rooms), std::move(*parts)});
+      return owning(make_portals_hider(model_.model(), share->rooms, share->parts), share);
     }
     if (name == "sampled") {
       PROMENADE_TRY(need_meshes());

@@ -18,6 +18,8 @@ namespace {
 constexpr float kInPlaneM = 0.0015F;
 constexpr float kFlat = 0.9F;
 constexpr size_t kMostOpenings = 24;  // of a face, one direction: more are united
+constexpr float kThinnestM = 0.012F;  // a floor's finish is a room of its own: beneath it walls have gaps
+constexpr float kThinM = 0.7F;        // what is thinner is a wall or a slab, cut where holes go through it
 constexpr float kMarginM = 2;         // of air around the model
 
 enum Way : uint8_t { down = 0, up = 1 };
@@ -87,6 +89,7 @@ Status RoomFinder::divide() {
   CellPlan plan(box.grown(kMarginM + box.diagonal() * 0.25F));
   WallSplitOptions options;
   options.least_cover = options_.least_cover;
+  options.thinnest_m = kThinnestM, options.thin_m = kThinM;
   for (const uint32_t leaf : split_along_walls(plan, CellPlan::kRoot, *patches, options))
     plan.set_cell(leaf, plan.box_of(leaf));
   std::vector<uint32_t> leaves;

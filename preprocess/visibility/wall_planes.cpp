@@ -74,7 +74,10 @@ class WallSplitter {
       if (patches_[i].extent.overlaps(box)) inside.push_back(i);
     std::optional<Plane> best;
     if (depth < options_.deepest) best = best_plane(box, inside);
-    if (best && best->cover < options_.least_cover) best = widest_margin(box, inside);
+    if (best && best->cover < options_.least_cover) {
+      best = side_of_hole(box, inside);
+      if (!best) best = widest_margin(box, inside);
+    }
     if (!best) {
       leaves_.push_back(leaf);
       return;
@@ -103,6 +106,33 @@ class WallSplitter {
       if (patch.at_m - box.min[a] < options_.thinnest_m || box.max[a] - patch.at_m < options_.thinnest_m) continue;
       const double cover = covered_m2 / (size.x * size.y * size.z / size[a]);
       if (cover > best.cover) best = {patch.axis, patch.at_m, cover};
+    }
+    return best;
+  }
+
+  /// In a thin box, the plane with the longest surface that goes through it from side to side.
+  std::optional<Plane> side_of_hole(const Box& box, const std::vector<uint32_t>& inside) const {
+    constexpr float kThrough = 0.8F, kShortestM = 0.3F;
+    const glm::vec3 size = box.size();
+    const int thin = size.x <= size.y && size.x <= size.z ? 0 : size.y <= size.z ? 1 : 2;
+    if (size[thin] >= options_.thin_m) return std::nullopt;
+    std::optional<Plane> best;
+    float longest_m = kShortestM;
+    for (size_t first = 0; first < inside.size();) {
+      const AxialPatch& patch = patches_[inside[first]];
+      const int a = static_cast<int>(patch.axis);
+      Box covered;
+      double area_m2 = 0;
+      for (; first < inside.size(); ++first) {
+        const AxialPatch& other = patches_[inside[first]];
+        if (other.axis != patch.axis || other.at_m != patch.at_m) break;
+        covered.add(Box{glm::max(other.extent.min, box.min), glm::min(other.extent.max, box.max)});
+        area_m2 += clipped_area_m2(other, box);
+      }
+      if (a == thin || covered.size()[thin] < kThrough * size[thin]) continue;
+      if (patch.at_m - box.min[a] < options_.thinnest_m || box.max[a] - patch.at_m < options_.thinnest_m) continue;
+      const float length_m = static_cast<float>(area_m2) / size[thin];
+      if (length_m > longest_m) longest_m = length_m, best = Plane{patch.axis, patch.at_m, 0};
     }
     return best;
   }

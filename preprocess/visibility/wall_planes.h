@@ -31,6 +31,9 @@ struct WallSplitOptions {
   /// around a house, in which its walls would cover little.
   double least_margin = 0.05;
   int deepest = 48;  ///< halvings
+  /// Boxes thinner than this are cut also where surfaces go through them from side to side, however short: at the
+  /// sides of doors, windows and shafts. 0: not.
+  float thin_m = 0;
 };
 
 /// Splits a leaf of the plan, and its parts, at the plane that is covered most; where none is covered enough, where the

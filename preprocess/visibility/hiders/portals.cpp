@@ -18,45 +18,6 @@ namespace {
 
 constexpr uint32_t kNotInFront = 0xffffffffU;
 
-/// What of a node lies in a room.
-struct RoomPart {
-  Box box;
-  NodeId node;
-};
-
-/// By room.
-struct RoomParts {
-  std::vector<RoomPart> parts;
-  std::vector<size_t> first;
-
-  std::span<const RoomPart> of(uint32_t room) const {
-    return {parts.data() + first[room], first[room + 1] - first[room]};
-  }
-};
-
-/// A part is in each room that it comes near: a wall's own surface may lie behind the wall's plane by the slack, and by
-/// the error of what is drawn for it.
-RoomParts place_parts(const Model& model, const NodeParts& parts, const Rooms& rooms) {
-  std::vector<std::vector<RoomPart>> by_room(rooms.space.cells.size());
-  for (uint32_t i = 0; i < model.tables.nodes.size(); ++i) {
-    const NodeRecord& node = model.tables.nodes[i];
-    const float reach = Rooms::kSlackM + (node.child_count == 0 ? 0 : node.error_m);
-    for (const NodePart& part : parts.of(NodeId{i}))
-      for_each_room(rooms, part.box.grown(reach), [&](uint32_t room) {
-        const Box near = rooms.space.cells[room].box.grown(reach);
-        by_room[room].push_back({{glm::max(part.box.min, near.min), glm::min(part.box.max, near.max)}, NodeId{i}});
-      });
-  }
-  RoomParts placed;
-  placed.first.reserve(by_room.size() + 1);
-  placed.first.push_back(0);
-  for (const std::vector<RoomPart>& of_room : by_room) {
-    placed.parts.insert(placed.parts.end(), of_room.begin(), of_room.end());
-    placed.first.push_back(placed.parts.size());
-  }
-  return placed;
-}
-
 /// One cell's question in work.
 class CellWork {
  public:
@@ -85,7 +46,8 @@ class CellWork {
     state_.assign(question_.front.size(), State::open);
     for (uint32_t i = 0; i < question_.front.size(); ++i) {
       place_in_front_[index_of(question_.front[i])] = i;
-      if (hidden_[i] != 0) state_[i] = State::seen;  // nothing to prove; what is set already stays
+      // Nothing to prove; what is set already stays.
+      if (hidden_[i] != 0 || parts_.anywhere[index_of(question_.front[i])] != 0) state_[i] = State::seen;
       open_ += state_[i] == State::open ? 1U : 0U;
     }
   }
@@ -210,8 +172,8 @@ class CellWork {
 
 class PortalsHider : public Hider {
  public:
-  PortalsHider(const Model& model, const NodeParts& parts, const Rooms& rooms, const PortalsOptions& options)
-      : model_(model), rooms_(rooms), options_(options), parts_(place_parts(model, parts, rooms)) {}
+  PortalsHider(const Model& model, const Rooms& rooms, const RoomParts& parts, const PortalsOptions& options)
+      : model_(model), rooms_(rooms), parts_(parts), options_(options) {}
 
   std::string_view name() const override { return "portals"; }
 
@@ -223,15 +185,15 @@ class PortalsHider : public Hider {
  private:
   const Model& model_;
   const Rooms& rooms_;
+  const RoomParts& parts_;
   PortalsOptions options_;
-  RoomParts parts_;
 };
 
 }  // namespace
 
-std::unique_ptr<Hider> make_portals_hider(const Model& model, const NodeParts& parts, const Rooms& rooms,
+std::unique_ptr<Hider> make_portals_hider(const Model& model, const Rooms& rooms, const RoomParts& parts,
                                           const PortalsOptions& options) {
-  return std::make_unique<PortalsHider>(model, parts, rooms, options);
+  return std::make_unique<PortalsHider>(model, rooms, parts, options);
 }
 
 }  // namespace promenade
