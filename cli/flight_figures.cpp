@@ -41,6 +41,7 @@ Json json_of_row(const FrameRow& row) {
           {"cell", row.cell ? Json(index_of(*row.cell)) : Json()},
           {"vlod_missing", row.vlod_missing},
           {"range_cells", row.range_cells},
+          {"nodes_foreseen", row.nodes_foreseen},
           {"delta_nodes", row.delta_nodes},
           {"delta_bytes", row.delta_bytes},
           {"nodes_by_level", row.nodes_by_level}};

@@ -47,6 +47,8 @@ const std::vector<Statistic>& statistics() {
        [](const FrameRow& r) { return double(r.nodes_missing); }},
       {"Popped: pixels changed beyond what motion explains", "per million",
        [](const FrameRow& r) { return r.popped_share.value_or(0) * 1e6; }},
+      {"Nodes that may be wanted soon (lookahead objects)", "count",
+       [](const FrameRow& r) { return double(r.nodes_foreseen); }},
       {"Range cells", "count", [](const FrameRow& r) { return double(r.range_cells); }},
       {"Resident", "MiB", [](const FrameRow& r) { return mib(r.resident_bytes); }},
       {"Read from disk", "MiB a frame", [](const FrameRow& r) { return mib(r.bytes_read); }},

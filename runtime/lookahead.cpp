@@ -40,14 +40,17 @@ class LookingAhead {
     at.seen_whole = at.seen_whole || (s_.vlod != nullptr && s_.vlod->has(at.node));
     at.soon_whole = at.soon_whole || (soon && soon_->has(at.node));
     const NodeRecord& n = s_.node(at.node);
-    s_.foresee(at.node, kForeseen);
+    if (s_.foresee(at.node, kForeseen)) ++s_.out.nodes_foreseen;
     if (n.child_count == 0 || ends_here(at)) return;
     const double distance_m = priority_distance(n, s_.sight, s_.options);
     if (frustum_visibility(n, s_.sight, s_.options, distance_m) > 0) stack_.push_back(at);
   }
 
   bool ends_here(const Visit& at) const {
-    if (s_.options.policy == Policy::vlod && s_.vlod != nullptr) return at.seen_whole || at.soon_whole;
+    if (s_.options.policy == Policy::vlod && s_.vlod != nullptr) {
+      const bool finer_soon = soon_ != nullptr && soon_->leads_below(at.node);
+      return !finer_soon && (at.seen_whole || !s_.vlod->leads_to_some(at.node));
+    }
     const NodeRecord& n = s_.node(at.node);
     const float distance_m = std::min(n.box.distance(s_.sight.eye), n.box.distance(later_));
     const double error = error_m(n, s_.options.error_kind);

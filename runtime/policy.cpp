@@ -135,7 +135,7 @@ void select(const Model& model, const SelectView& view, std::span<const uint8_t>
   selection.triangles = selection.nodes_missing = selection.toggles_up = selection.toggles_down = 0;
   selection.loaded_rejected = selection.toggles_loading = 0;
   selection.cost = 0;
-  selection.optimisation_steps = 0;
+  selection.optimisation_steps = selection.nodes_foreseen = 0;
   selection.load = load_of_picture(view.camera.width_px, view.camera.height_px);
   Selecting selecting(model, view, resident, options, state, selection);
   if (options.policy == Policy::cost_benefit)

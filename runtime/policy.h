@@ -162,6 +162,7 @@ struct Selection {
   uint64_t toggles_down = 0;        ///< nodes refined last frame, now drawn
   uint64_t toggles_loading = 0;     ///< of both: because finer nodes came into memory or left it
   uint64_t loaded_rejected = 0;     ///< sibling sets that were resident but had no time
+  uint64_t nodes_foreseen = 0;      ///< priced because they may be wanted soon, not now
   uint64_t optimisation_steps = 0;  ///< cost_benefit: levels changed on the way from the last frame's front
   double cost = 0;                  ///< sum of the front's cost_n
   DrawLoad load;                    ///< of the front, with the picture's

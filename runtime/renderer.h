@@ -73,8 +73,8 @@ struct DrawItem {
   NodeId node = kNoNode;  ///< what read_nodes() reports
   glm::mat4 model_from_mesh{1.0F};
   /// A fade between levels: drawn at the pixels whose threshold in an ordered 8 x 8 pattern lies in [fade_from,
-  /// fade_to). A node with [0, a) and its children with [a, 1) share the picture exactly. OpenGL draws the one that
-  /// has the threshold 0.5.
+  /// fade_to). A node with [0, a) and its children with [a, 1) share the picture exactly: at every pixel one of them
+  /// is drawn.
   float fade_from = 0, fade_to = 1;
 };
 

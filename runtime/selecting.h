@@ -60,11 +60,12 @@ class Selecting {
     state.nodes[index_of(id)].priced = state.frame;
     return priority;
   }
-  /// The same for what no policy has priced.
-  void foresee(NodeId id, float importance) {
-    if (state.nodes[index_of(id)].priced == state.frame) return;
+  /// The same for what no policy has priced; false: one has.
+  bool foresee(NodeId id, float importance) {
+    if (state.nodes[index_of(id)].priced == state.frame) return false;
     price(id);
     out.updates.back().priority *= importance;
+    return true;
   }
 
   const Model& model;

@@ -255,6 +255,7 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   row.nodes_drawn = s.selection.front.size() + row.nodes_fading;
   row.pace = s.select_state.costs ? s.select_state.costs->pace() : 1;
   row.nodes_missing = s.selection.nodes_missing;
+  row.nodes_foreseen = s.selection.nodes_foreseen;
   row.toggles_up = s.selection.toggles_up;
   row.toggles_down = s.selection.toggles_down;
   row.toggles_loading = s.selection.toggles_loading;

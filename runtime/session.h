@@ -61,6 +61,7 @@ struct FrameRow {
   std::optional<CellId> cell;    ///< the eye's; nullopt: outside
   bool cell_crossed = false;     ///< into another cell than in the frame before
   bool vlod_missing = false;     ///< the policy asks for the cell's vLOD, which is not read yet: the tree alone served
+  uint64_t nodes_foreseen = 0;   ///< that may be wanted soon, besides those that are
   uint64_t range_cells = 0;      ///< that the eye may be in within the horizon
   uint64_t delta_nodes = 0;      ///< that came or went with the vLOD that is now used
   uint64_t delta_bytes = 0;      ///< that it took on disk

@@ -19,6 +19,8 @@ class SoonMarks {
   void change_to(const std::map<CellId, std::shared_ptr<const Vlod>>& vlods);
   bool has(NodeId id) const { return (mark_[index_of(id)] & kMember) != 0; }
   bool leads_to_some(NodeId id) const { return mark_[index_of(id)] != 0; }
+  /// Whether some set has a node below it; another one may have the node itself.
+  bool leads_below(NodeId id) const { return (mark_[index_of(id)] & kWay) != 0; }
 
  private:
   static constexpr uint8_t kMember = 2, kWay = 1;

@@ -16,6 +16,7 @@
 #include "layout/model_io.h"
 #include "preprocess/build.h"
 #include "runtime/cpu_renderer.h"
+#include "runtime/fades.h"
 #include "runtime/gl_renderer.h"
 #include "runtime/session.h"
 #include "tests/runtime/forest.h"
@@ -57,8 +58,43 @@ void BM_Select(benchmark::State& state) {
       benchmark::Counter(double(selection.updates.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(BM_Select)
-    ->ArgsProduct({{5, 8}, {int(Policy::static_error), int(Policy::time_slices), int(Policy::lakhia)}})
+    ->ArgsProduct(
+        {{5, 8}, {int(Policy::static_error), int(Policy::time_slices), int(Policy::lakhia), int(Policy::cost_benefit)}})
     ->Unit(benchmark::kMicrosecond);
+
+/// What fades take on a front that keeps changing level: every tenth of it a frame. range: nodes of the tree's depth.
+void BM_Fades(benchmark::State& state) {
+  const LargeForest forest(static_cast<uint32_t>(state.range(0)));
+  const Model& model = forest.model();
+  std::vector<NodeId> coarse, fine;
+  for (uint32_t i = 0; i < model.tables.nodes.size(); ++i) {
+    if (model.tables.nodes[i].level + 1 == static_cast<uint32_t>(state.range(0))) coarse.push_back(NodeId{i});
+  }
+  const std::vector<uint8_t> resident(model.tables.nodes.size(), 1);
+  const Frustum frustum = frustum_of(from_the_street().camera, model.manifest.origin);
+  Fades fades(model);
+  std::vector<FadedNode> items;
+  size_t frame = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    fine.clear();
+    for (size_t i = 0; i < coarse.size(); ++i) {
+      if ((i + frame / 4) % 10 != 0) {
+        fine.push_back(coarse[i]);
+        continue;
+      }
+      const std::span<const NodeId> children = model.children_of(coarse[i]);
+      fine.insert(fine.end(), children.begin(), children.end());
+    }
+    ++frame;
+    state.ResumeTiming();
+    fades.follow(fine, resident, frustum, nullptr, 8, items);
+    benchmark::DoNotOptimize(items.data());
+  }
+  state.counters["front"] = double(coarse.size());
+  state.counters["fades"] = double(fades.running());
+}
+BENCHMARK(BM_Fades)->Arg(5)->Unit(benchmark::kMicrosecond);
 
 /// A generated city, its walk and its model, on disk as long as the program runs.
 class City {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
 
 #include "runtime/cursor.h"
 #include "runtime/flight.h"
@@ -130,6 +131,41 @@ TEST(SoonMarks, are_the_union_of_what_the_next_cells_see) {
   soon.change_to({{CellId{2}, set({NodeId{2}})}});
   EXPECT_FALSE(soon.leads_to_some(NodeId{1}) || soon.leads_to_some(leaf));
   EXPECT_TRUE(soon.has(NodeId{2}) && soon.leads_to_some(NodeId{0}));
+}
+
+TEST(LookAhead, prices_what_only_the_next_cells_see) {
+  Forest model;
+  model.grow(model.root({{10, -8, -1}, {10.5F, 8, 1}}, 2), 3, 2);
+  const NodeId leaf = model.model().children_of(NodeId{3}).front();
+  VlodMarks marks(model.model());
+  marks.change_to(std::vector<NodeId>{NodeId{2}});
+  SoonMarks soon(model.model());
+  soon.change_to({{CellId{1}, std::make_shared<const Vlod>(Vlod{{leaf}, 0})}});
+  const std::vector<uint8_t> resident(model.model().tables.nodes.size(), 1);
+  for (const Policy policy : {Policy::vlod, Policy::vlod_time_slices}) {
+    SelectOptions options;
+    options.policy = policy;
+    options.pixel_error = 0.1;
+    SelectView view;
+    view.camera = scenes::looking_along_x();
+    view.vlod = &marks;
+    SelectState state;
+    Selection selection;
+    const auto priced = [&] {
+      select(model.model(), view, resident, options, state, selection);
+      std::set<NodeId> ids;
+      for (const PriorityUpdate& u : selection.updates) ids.insert(u.node);
+      return ids;
+    };
+    EXPECT_FALSE(priced().contains(leaf)) << "hidden from here";
+    view.soon = &soon;
+    EXPECT_TRUE(priced().contains(leaf)) << name_of(policy);
+    EXPECT_GT(selection.nodes_foreseen, 0U);
+    for (const NodeId id : selection.front) {
+      EXPECT_NE(id, leaf);
+      EXPECT_NE(id, NodeId{3});
+    }
+  }
 }
 
 // --- marks --------------------------------------------------------------------------------------------------------
