@@ -15,7 +15,8 @@ namespace promenade {
 
 /// What a frame asks of a renderer. Loads add up.
 struct DrawLoad {
-  enum Term : uint8_t { picture, nodes, triangles, cover, textures, kTerms };
+  enum Term : uint8_t { picture, nodes, triangles, cover, textures };
+  static constexpr size_t kTerms = textures + 1;
   /// Megapixels of the picture; nodes (draws); triangles; megapixels of the nodes' boxes, one above the other;
   /// textures.
   std::array<double, kTerms> amount{};
