@@ -22,30 +22,50 @@ const std::array<float, 256>& linear_table() {
   return table;
 }
 
-uint32_t root(float linear) { return static_cast<uint32_t>(std::lround(std::sqrt(std::min(linear, 1.0F)) * 1023.0F)); }
+uint32_t root(float linear) { return static_cast<uint32_t>(std::sqrt(std::min(linear, 1.0F)) * 1023.0F + 0.5F); }
+
+const std::array<uint32_t, 256>& root_table() {
+  static const std::array<uint32_t, 256> table = [] {
+    std::array<uint32_t, 256> t{};
+    for (uint32_t i = 0; i < 256; ++i) t[i] = root(linear_table()[i]);
+    return t;
+  }();
+  return table;
+}
 
 /// The mean of four texels: colours by their opacity, so that what is not there does not bleed.
-Texel mean(const std::array<const Texel*, 4>& texels) {
+Texel mean(const std::array<Texel, 4>& texels) {
   Texel out = {};
   float weight = 0;
-  for (const Texel* t : texels) {
-    const float w = t->opacity + 1.0F / 4096;  // never 0: a clear texel among clear ones keeps its colour
-    weight += w, out.opacity += t->opacity * 0.25F;
-    for (size_t c = 0; c < 3; ++c) out.color[c] += t->color[c] * w;
+  for (const Texel& t : texels) {
+    const float w = t.opacity + 1.0F / 4096;  // never 0: a clear texel among clear ones keeps its colour
+    weight += w, out.opacity += t.opacity * 0.25F;
+    for (size_t c = 0; c < 3; ++c) out.color[c] += t.color[c] * w;
   }
   for (float& c : out.color) c /= weight;
   return out;
 }
 
-std::vector<Texel> halved(const std::vector<Texel>& from, uint32_t width, uint32_t height) {
+/// The same where all are opaque.
+Texel opaque_mean(const std::array<Texel, 4>& t) {
+  Texel out = {};
+  for (size_t c = 0; c < 3; ++c)
+    out.color[c] = ((t[0].color[c] + t[1].color[c]) + (t[2].color[c] + t[3].color[c])) * 0.25F;
+  out.opacity = 1;
+  return out;
+}
+
+/// The next level. texel(i): of the one before, row by row.
+template <class From>
+std::vector<Texel> halved(const From& texel, uint32_t width, uint32_t height, bool opaque) {
   const uint32_t w = std::max(1U, width / 2), h = std::max(1U, height / 2);
   std::vector<Texel> to(size_t(w) * h);
   for (uint32_t y = 0; y < h; ++y) {
-    const Texel* a = &from[size_t(std::min(2 * y, height - 1)) * width];
-    const Texel* b = &from[size_t(std::min(2 * y + 1, height - 1)) * width];
+    const size_t a = size_t(std::min(2 * y, height - 1)) * width, b = size_t(std::min(2 * y + 1, height - 1)) * width;
     for (uint32_t x = 0; x < w; ++x) {
       const uint32_t l = std::min(2 * x, width - 1), r = std::min(2 * x + 1, width - 1);
-      to[size_t(y) * w + x] = mean({a + l, a + r, b + l, b + r});
+      const std::array<Texel, 4> four = {texel(a + l), texel(a + r), texel(b + l), texel(b + r)};
+      to[size_t(y) * w + x] = opaque ? opaque_mean(four) : mean(four);
     }
   }
   return to;
@@ -59,7 +79,19 @@ void MipTexture::store_level(uint32_t level, const std::vector<Texel>& from, uin
     for (uint32_t x = 0; x <= width; ++x, ++to) {
       const Texel& t = from[row + (x == width ? 0 : x)];
       texels_[to] = static_cast<int32_t>(root(t.color[0]) | root(t.color[1]) << 10 | root(t.color[2]) << 20);
-      if (!opacity_.empty()) opacity_[to] = static_cast<uint8_t>(std::lround(t.opacity * 255.0F));
+      if (!opacity_.empty()) opacity_[to] = static_cast<uint8_t>(t.opacity * 255.0F + 0.5F);
+    }
+  }
+}
+
+void MipTexture::store_picture(const Image& image) {
+  const std::array<uint32_t, 256>& roots = root_table();
+  size_t to = 0;
+  for (size_t row = 0; row < image.pixels.size(); row += image.width) {
+    for (uint32_t x = 0; x <= image.width; ++x, ++to) {
+      const glm::u8vec4& p = image.pixels[row + (x == image.width ? 0 : x)];
+      texels_[to] = static_cast<int32_t>(roots[p.r] | roots[p.g] << 10 | roots[p.b] << 20);
+      if (!opacity_.empty()) opacity_[to] = p.a;
     }
   }
 }
@@ -84,13 +116,20 @@ Result<MipTexture> MipTexture::make(const Image& image) {
       std::any_of(image.pixels.begin(), image.pixels.end(), [](const glm::u8vec4& p) { return p.a != 255; });
   t.texels_.resize(total);
   if (clear) t.opacity_.resize(total);
-  std::vector<Texel> level(image.pixels.size());
-  for (size_t i = 0; i < image.pixels.size(); ++i) {
-    const glm::u8vec4& p = image.pixels[i];
-    level[i] = {{linear_table()[p.r], linear_table()[p.g], linear_table()[p.b]}, static_cast<float>(p.a) / 255.0F};
-  }
-  for (uint32_t l = 0; l < t.view_.levels; ++l) {
-    if (l > 0) level = halved(level, std::max(1U, image.width >> (l - 1)), std::max(1U, image.height >> (l - 1)));
+  t.store_picture(image);
+  const std::array<float, 256>& linear = linear_table();
+  std::vector<Texel> level;
+  for (uint32_t l = 1; l < t.view_.levels; ++l) {
+    const uint32_t width = std::max(1U, image.width >> (l - 1)), height = std::max(1U, image.height >> (l - 1));
+    if (l == 1) {
+      const auto texel = [&](size_t i) {
+        const glm::u8vec4& p = image.pixels[i];
+        return Texel{{linear[p.r], linear[p.g], linear[p.b]}, static_cast<float>(p.a) / 255.0F};
+      };
+      level = halved(texel, width, height, !clear);
+    } else {
+      level = halved([&](size_t i) { return level[i]; }, width, height, !clear);
+    }
     t.store_level(l, level, std::max(1U, image.width >> l));
   }
   t.view_.texels = t.texels_.data();

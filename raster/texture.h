@@ -34,6 +34,7 @@ class MipTexture {
 
  private:
   MipTexture() = default;
+  void store_picture(const Image& image);
   void store_level(uint32_t level, const std::vector<Texel>& from, uint32_t width);
 
   std::vector<int32_t> texels_;
