@@ -78,12 +78,13 @@ struct Item {
   // metres.
   float rows[3][3];
   float eye_hi[3], eye_lo[3];
-  float axis[3];             ///< view axis in the mesh's frame; orthographic facing only
-  float model_rows[3][4];    ///< model space from the mesh's; shading only
-  float normal_rows[3][3];   ///< model space's normals from the mesh's
-  float fade_from, fade_to;  ///< drawn where the threshold of the 8 x 8 pattern lies in [from, to)
-  bool fading;               ///< that is not everywhere
-  bool placed;               ///< model_rows is not the identity
+  double exact_rows[3][3], exact_eye[3];  ///< the same, for triangles that are cut
+  float axis[3];                          ///< view axis in the mesh's frame; orthographic facing only
+  float model_rows[3][4];                 ///< model space from the mesh's; shading only
+  float normal_rows[3][3];                ///< model space's normals from the mesh's
+  float fade_from, fade_to;               ///< drawn where the threshold of the 8 x 8 pattern lies in [from, to)
+  bool fading;                            ///< that is not everywhere
+  bool placed;                            ///< model_rows is not the identity
   bool mirrored;
 };
 

@@ -54,6 +54,19 @@ PROMENADE_INLINE ViewPoint view_point(const Item& item, float x, float y, float 
   return rotated(item, d);
 }
 
+struct ExactPoint {
+  double x, y, w;
+};
+
+/// In double: a corner far away or far behind moves what is left of a triangle by as much as single precision loses.
+PROMENADE_INLINE ExactPoint exact_point(const Item& item, float x, float y, float z) {
+  const double d[3] = {x - item.exact_eye[0], y - item.exact_eye[1], z - item.exact_eye[2]};
+  double p[3];
+  for (int i = 0; i < 3; ++i)
+    p[i] = (item.exact_rows[i][0] * d[0] + item.exact_rows[i][1] * d[1]) + item.exact_rows[i][2] * d[2];
+  return {p[0], p[1], p[2]};
+}
+
 // --- Boxes against the picture -------------------------------------------------------------------------------------
 
 /// The picture of a box that does not reach behind the near plane.
@@ -500,7 +513,7 @@ Corner corner_of(const Frame& f, const ClipVertex& v) {
 }
 
 template <Coverage C, bool kMasked>
-void draw_clipped(const Frame& f, Region& r, const ViewPoint* points, const Corner* corners, bool mirrored,
+void draw_clipped(const Frame& f, Region& r, const ExactPoint* points, const Corner* corners, bool mirrored,
                   bool two_sided, uint32_t id, const MaskTriangle* mask) {
   ++r.counts.triangles_clipped;
   ClipVertex a[10], b[10];
@@ -709,11 +722,11 @@ void draw_long_way(const Frame& f, const Item& item, const Block& block, Region&
   MaskTriangle mask;
   if constexpr (kMasked) set_up_mask(f, item, item.triangle_of[at], mask);
   Corner corners[3];
-  ViewPoint points[3];
+  ExactPoint points[3];
   for (int i = 0; i < 3; ++i) {
     const uint32_t k = item.corners[i][at], p = block.first_vertex + k;
     corners[i] = {v.x[k], v.y[k], v.z[k]};
-    if (clipped) points[i] = view_point(item, item.x[p], item.y[p], item.z[p]);
+    if (clipped) points[i] = exact_point(item, item.x[p], item.y[p], item.z[p]);
   }
   if (clipped)
     draw_clipped<C, kMasked>(f, r, points, corners, item.mirrored, two_sided, id, &mask);

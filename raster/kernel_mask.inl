@@ -158,21 +158,80 @@ PROMENADE_INLINE M shown_lanes(const Frame& f, const MaskTriangle& m, Int64 at, 
   return shown & ((z < before) | ((z <= before) & less_unsigned(before_id, id)));
 }
 
+/// The two neighbouring texels' columns or rows of kLanes points: the first one's number and the share of the second.
+PROMENADE_INLINE I first_texel(F t, uint8_t wrap, I size, F& share) {
+  const F zero = splat(0.0F), one = splat(1.0F);
+  t = max(min(t, splat(1e6F)), splat(-1e6F));
+  if (wrap == 2) {
+    t = max(min(t, one), zero);
+  } else if (wrap == 1) {
+    t = t * splat(0.5F), t = (t - floor(t)) * splat(2.0F);
+    t = min(t, splat(2.0F) - t);
+  } else {
+    t = t - floor(t);
+  }
+  const F x = t * to_float(size) - splat(0.5F), whole = floor(x);
+  share = x - whole;
+  return truncate(whole);
+}
+
+/// Opacity at those of kLanes points of the picture that `lanes` names; as opacity_at, many at a time.
+PROMENADE_INLINE F opacity_lanes(const MaskTriangle& m, uint32_t lanes, F x, F y, F z) {
+  if (m.texels_a_pixel <= 0) return splat(m.opacity);
+  const Surface& s = *m.surface;
+  const Texture& t = *s.texture;
+  float xs[kLanes], ys[kLanes];
+  store(xs, x), store(ys, y);
+  // From the first pixel of the block of 4 x 4, whatever the number of lanes: single precision tells how far.
+  const int32_t row = (static_cast<int32_t>(ys[0]) + m.axis_y) >> 8 & ~3;
+  const float x0 = xs[0], y0 = static_cast<float>(row * kSubpixel + kSubpixel / 2 - m.axis_y);
+  const F dx = x - splat(x0), dy = y - splat(y0), one = splat(1.0F);
+  const F w = m.orthographic ? one : one / max(z, splat(1e-30F));
+  const auto over = [&](const double* v) {
+    const float at = static_cast<float>((v[0] * x0 + v[1] * y0) + v[2]);
+    return (splat(at) + (splat(static_cast<float>(v[0])) * dx + splat(static_cast<float>(v[1])) * dy)) * w;
+  };
+  const F u = over(m.u), v = over(m.v);
+  const F footprint = max(one, min(splat(65536.0F), splat(m.texels_a_pixel) * w));
+  const I level = min(shift_right<23>(as_int(footprint)) - splat(127), splat(static_cast<int32_t>(t.levels) - 1));
+  const I width = max(shift_right_by(splat(static_cast<int32_t>(t.width)), level), splat(1)),
+          height = max(shift_right_by(splat(static_cast<int32_t>(t.height)), level), splat(1));
+  const I none = splat(0), last_x = width - splat(1), last_y = height - splat(1);
+  F sx, sy;
+  I left = first_texel(u, s.wrap_u, width, sx), top = first_texel(v, s.wrap_v, height, sy);
+  I bottom = top + splat(1);
+  if (s.wrap_u == 0)
+    left = select(left < none, last_x, left);  // the row's last texel is its first again
+  else
+    sx = select((left < none) | (left > last_x - splat(1)), splat(0.0F), sx);
+  if (s.wrap_v == 0) top = select(top < none, last_y, top), bottom = select(bottom > last_y, none, bottom);
+  left = max(min(left, last_x), none);
+  const I first = Table16(t.level_offset)[level] + left, stride = width + splat(1);
+  int32_t at[2][kLanes];
+  store(at[0], first + max(min(top, last_y), none) * stride);
+  store(at[1], first + max(min(bottom, last_y), none) * stride);
+  float texels[4][kLanes] = {};
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int i = __builtin_ctz(lanes);
+    for (int k = 0; k < 4; ++k) texels[k][i] = static_cast<float>(t.opacity[at[k / 2][i] + k % 2]);
+  }
+  const F upper = load(texels[0]) + (load(texels[1]) - load(texels[0])) * sx;
+  const F lower = load(texels[2]) + (load(texels[3]) - load(texels[2])) * sx;
+  return splat(m.opacity) * (upper + (lower - upper) * sy) * splat(1.0F / 255);
+}
+
 /// Those of the lanes at which the surface is there.
 PROMENADE_INLINE uint32_t solid_lanes(const MaskTriangle& m, uint32_t lanes, F x, F y, F z) {
   if (m.surface == nullptr || lanes == 0) return lanes;
-  float xs[kLanes], ys[kLanes], zs[kLanes];
-  store(xs, x), store(ys, y), store(zs, z);
-  uint32_t solid = 0;
-  for (uint32_t left = lanes; left != 0; left &= left - 1) {
-    const int i = __builtin_ctz(left);
-    const float opacity = opacity_at(m, xs[i], ys[i], zs[i]);
+  const F opacity = opacity_lanes(m, lanes, x, y, z);
+  if (m.surface->alpha == 1) return lanes & bits(opacity >= splat(m.surface->alpha_cutoff));
+  if (!m.screen_door) return lanes & bits(opacity >= splat(kLeastOpacity));
+  float xs[kLanes], ys[kLanes], thresholds[kLanes];
+  store(xs, x), store(ys, y);
+  for (int i = 0; i < kLanes; ++i) {
     const uint32_t px = static_cast<uint32_t>(static_cast<int32_t>(xs[i]) + m.axis_x) >> 8;
     const uint32_t py = static_cast<uint32_t>(static_cast<int32_t>(ys[i]) + m.axis_y) >> 8;
-    const bool there = m.surface->alpha == 1 ? opacity >= m.surface->alpha_cutoff
-                       : m.screen_door       ? opacity > door_threshold(px + m.door, py + (m.door >> 3))
-                                             : opacity >= kLeastOpacity;
-    solid |= (there ? 1U : 0U) << i;
+    thresholds[i] = door_threshold(px + m.door, py + (m.door >> 3));
   }
-  return solid;
+  return lanes & bits(opacity > load(thresholds));
 }

@@ -94,10 +94,10 @@ void set_transform(Item& item, const RasterView& view, const std::optional<glm::
   const glm::dmat3 normals = glm::transpose(inverse);
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) {
-      item.rows[i][k] = static_cast<float>(rows[i][k]);
+      item.rows[i][k] = static_cast<float>(rows[i][k]), item.exact_rows[i][k] = rows[i][k];
       item.normal_rows[i][k] = static_cast<float>(normals[k][i]);
     }
-    item.eye_hi[i] = static_cast<float>(eye[i]);
+    item.eye_hi[i] = static_cast<float>(eye[i]), item.exact_eye[i] = eye[i];
     item.eye_lo[i] = static_cast<float>(eye[i] - double(item.eye_hi[i]));
     item.axis[i] = static_cast<float>(axis[i]);
   }

@@ -11,7 +11,7 @@ namespace promenade {
 struct CpuRendererOptions {
   unsigned threads = 0;    ///< that draw a frame; 0: one a processor. The picture does not depend on it
   Simd simd = Simd::best;  ///< nor on this
-  /// Antialias the borders between triangles (raster/shade.h, smooth_edges); costs about a quarter of a street's frame.
+  /// Antialias the borders between triangles (raster/shade.h, smooth_edges); costs a fifth to a quarter of a frame.
   bool smooth_edges = true;
   float anisotropy = 2;  ///< most samples along a slanted texel footprint; 1: off
 };

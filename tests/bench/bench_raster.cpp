@@ -84,7 +84,6 @@ Mesh building(uint32_t column, uint32_t row) {
 struct City {
   uint32_t side = 0;
   uint64_t triangles = 0;
-  bool two_sided = false;
   std::vector<Material> materials;
   std::vector<Image> images;
   std::vector<MipTexture> textures;
@@ -107,22 +106,21 @@ Image facade(uint32_t seed) {
   return image;
 }
 
-const City& city(uint64_t triangles, bool two_sided = false) {
-  static std::map<std::pair<uint64_t, bool>, std::unique_ptr<City>> made;
-  std::unique_ptr<City>& c = made[{triangles, two_sided}];
+const City& city(uint64_t triangles) {
+  static std::map<uint64_t, std::unique_ptr<City>> made;
+  std::unique_ptr<City>& c = made[triangles];
   if (c) return *c;
   made.clear();  // one at a time: they are large
-  std::unique_ptr<City>& fresh = made[{triangles, two_sided}];
+  std::unique_ptr<City>& fresh = made[triangles];
   fresh = std::make_unique<City>();
   City& out = *fresh;
-  out.two_sided = two_sided;
   const size_t each = building(0, 0).triangle_count();
   out.side = std::max(2U, static_cast<uint32_t>(std::lround(std::sqrt(double(triangles) / double(each)))));
   for (uint32_t i = 0; i < 256; ++i) {
     out.images.push_back(facade(i));
     out.textures.push_back(*MipTexture::make(out.images.back()));
     Material m;
-    m.texture = i, m.two_sided = two_sided;
+    m.texture = i;
     out.materials.push_back(m);
   }
   std::vector<const MipTexture*> pointers;
@@ -190,6 +188,7 @@ void BM_Frame(benchmark::State& state) {
     start = std::chrono::steady_clock::now();
     if (state.range(4) > 1) smooth_edges(buffer, shading, image, smooth), smooth_ms += ms_since(start);
     sum.cull_ms += buffer.stats().cull_ms, sum.draw_ms += buffer.stats().draw_ms;
+    sum.items += buffer.stats().items;
     sum.items_in_view += buffer.stats().items_in_view, sum.items_drawn += buffer.stats().items_drawn;
     sum.triangles_set_up += buffer.stats().triangles_set_up, sum.triangles_drawn += buffer.stats().triangles_drawn;
   }
@@ -200,6 +199,7 @@ void BM_Frame(benchmark::State& state) {
   state.counters["in_view"] = double(sum.items_in_view) / n, state.counters["drawn"] = double(sum.items_drawn) / n;
   state.counters["set_up"] = double(sum.triangles_set_up) / n,
   state.counters["rastered"] = double(sum.triangles_drawn) / n;
+  state.counters["items"] = double(sum.items) / n;
   state.SetLabel(std::string(kViewNames[state.range(1)]) + (state.range(4) > 1    ? " smoothed"
                                                             : state.range(4) == 1 ? " shaded"
                                                                                   : " raster"));
@@ -216,6 +216,15 @@ void BM_ReadMemory(benchmark::State& state) {
     benchmark::DoNotOptimize(sum);
   }
   state.SetBytesProcessed(state.iterations() * state.range(0));
+}
+
+void BM_CopyMemory(benchmark::State& state) {
+  std::vector<uint64_t> from(size_t(state.range(0)) / 8, 1), to(from.size());
+  for (auto _ : state) {
+    std::memcpy(to.data(), from.data(), from.size() * 8);
+    benchmark::ClobberMemory();
+  }
+  state.SetBytesProcessed(state.iterations() * state.range(0) * 2);  // read and written
 }
 
 [[gnu::target("avx512f")]] void multiply_add_512(float* out, int64_t rounds) {
@@ -235,19 +244,6 @@ void BM_MultiplyAdd(benchmark::State& state) {
       benchmark::Counter(double(state.iterations()) * 100000 * 8 * 16 * 2, benchmark::Counter::kIsRate);
 }
 
-/// Arguments: triangles, simd or -1 for two-sided avx512.
-void BM_TwoSidedOverview(benchmark::State& state) {
-  const City& c = city(uint64_t(state.range(0)), state.range(1) != 0);
-  VisibilityOptions options;
-  options.threads = 1;
-  VisibilityBuffer buffer;
-  uint32_t frame = 0;
-  for (auto _ : state)
-    if (!buffer.draw(perspective_view(camera_of(c, overview, frame++ % 8), glm::dvec3(0)), c.items, options).ok())
-      state.SkipWithError("not drawn");
-  report(state, c);
-}
-
 void BM_ItemBuffers(benchmark::State& state) {
   const City& c = city(uint64_t(state.range(0)));
   VisibilityOptions options;
@@ -261,11 +257,6 @@ void BM_ItemBuffers(benchmark::State& state) {
         state.SkipWithError("not drawn");
   }
   report(state, c);
-}
-
-void BM_Prepare(benchmark::State& state) {
-  const Mesh mesh = building(3, 4);
-  for (auto _ : state) benchmark::DoNotOptimize(prepare(mesh, {}));
 }
 
 // --- Embree
@@ -485,13 +476,11 @@ const bool registered = [] {
       for (const int64_t threads : {1, 2})
         add((std::string("ItemBuffers/") + name).c_str(), BM_ItemBuffers, {n, threads, simd});
     add("ItemBuffers/Embree", BM_ItemBuffersEmbree, {n});
-    add("Sides", BM_TwoSidedOverview, {n, 0});
-    add("Sides", BM_TwoSidedOverview, {n, 1});
   }
   add("ReadMemory", BM_ReadMemory, {int64_t(256) << 20});
+  add("CopyMemory", BM_CopyMemory, {int64_t(256) << 20});
   add("ReadCache", BM_ReadMemory, {int64_t(256) << 10});
   benchmark::RegisterBenchmark("MultiplyAdd", BM_MultiplyAdd)->Unit(benchmark::kMillisecond);
-  benchmark::RegisterBenchmark("Prepare", BM_Prepare)->Unit(benchmark::kMillisecond);
   return true;
 }();
 
