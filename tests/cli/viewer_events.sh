@@ -8,6 +8,7 @@ folder=$(mktemp -d)
 viewer=
 trap '[[ -z $viewer ]] || kill "$viewer" 2>/dev/null || true; rm -rf "$folder"' EXIT
 cd "$folder"
+export XDG_CACHE_HOME=$folder/cache  # the user's stays as it is
 
 fail() { echo "viewer_events: $1" >&2; cat view.log >&2; exit 1; }
 wait_for() {  # wait_for SECONDS WHAT COMMAND...: until the command succeeds
