@@ -203,23 +203,18 @@ Result<Calibration> measure_both(OffscreenKind offscreen) {
   if (!context) return context.error();
   const Result<OffscreenRenderer> gl = gl_renderer_on(std::move(*context));
   if (!gl) return gl.error();
-  const Result<double> gl_ms = calibration_frame_ms(*gl->renderer);
-  if (!gl_ms) return gl_ms.error();
-  const Result<double> cpu_ms = calibration_frame_ms(*create_cpu_renderer());
-  if (!cpu_ms) return cpu_ms.error();
-  return Calibration{*gl_ms, *cpu_ms, gl->description, false};
+  return calibrate(*gl->renderer, gl->description);
 }
 
 /// The faster one on this machine, and why in its description.
 Result<OffscreenRenderer> faster_renderer(OffscreenKind offscreen) {
-  const std::filesystem::path file = calibration_file();
-  const Result<Calibration> known = calibrated(file, calibration_machine(std::string(name_of(offscreen))),
-                                               [offscreen] { return measure_both(offscreen); });
+  const std::string way(name_of(offscreen));
+  const std::filesystem::path file = calibration_file(way);
+  const Result<Calibration> known =
+      calibrated(file, calibration_machine(way), [offscreen] { return measure_both(offscreen); });
   if (!known) return on_the_cpu(fmt::format(" (auto: no OpenGL: {})", known.error().message));
-  const std::string why =
-      fmt::format(" (auto: a frame takes {:.1f} ms on the CPU, {:.1f} ms with {}; {})", known->cpu_ms, known->gl_ms,
-                  known->gl, known->stored ? "stored in " + file.string() : "measured now");
-  if (known->cpu_ms <= known->gl_ms) return on_the_cpu(why);
+  const std::string why = fmt::format(" ({})", reason_of(*known, file));
+  if (known->cpu_is_faster()) return on_the_cpu(why);
   Result<std::unique_ptr<GlContext>> context = create_offscreen_context(offscreen);
   if (!context) return on_the_cpu(fmt::format(" (auto: OpenGL is gone: {})", context.error().message));
   Result<OffscreenRenderer> gl = gl_renderer_on(std::move(*context));

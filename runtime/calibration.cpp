@@ -13,6 +13,7 @@
 
 #include "layout/file_io.h"
 #include "raster/visibility.h"
+#include "runtime/cpu_renderer.h"
 #include "runtime/user_files.h"
 
 namespace promenade {
@@ -113,7 +114,9 @@ Result<double> least_frame_ms(Renderer& renderer, std::span<const DrawItem> item
 
 }  // namespace
 
-std::filesystem::path calibration_file() { return user_file("XDG_CACHE_HOME", ".cache", "renderer.json"); }
+std::filesystem::path calibration_file(std::string_view way) {
+  return user_file("XDG_CACHE_HOME", ".cache", fmt::format("renderer-{}.json", way));
+}
 
 std::string calibration_machine(const std::string& gl) {
   constexpr const char* kWidths[] = {"best", "portable", "avx2", "avx512"};
@@ -129,6 +132,20 @@ Result<Calibration> calibrated(const std::filesystem::path& file, const std::str
   Result<Calibration> measured = measure();
   if (measured && !file.empty()) store(file, machine, *measured);
   return measured;
+}
+
+Result<Calibration> calibrate(Renderer& gl, const std::string& name) {
+  const Result<double> gl_ms = calibration_frame_ms(gl);
+  if (!gl_ms) return gl_ms.error();
+  const Result<double> cpu_ms = calibration_frame_ms(*create_cpu_renderer());
+  if (!cpu_ms) return cpu_ms.error();
+  return Calibration{*gl_ms, *cpu_ms, name, false};
+}
+
+std::string reason_of(const Calibration& calibration, const std::filesystem::path& file) {
+  return fmt::format("auto: a frame takes {:.1f} ms on the CPU, {:.1f} ms with {}; {}", calibration.cpu_ms,
+                     calibration.gl_ms, calibration.gl,
+                     calibration.stored ? "stored in " + file.string() : "measured now");
 }
 
 Result<double> calibration_frame_ms(Renderer& renderer) {

@@ -48,7 +48,7 @@ Result<DrawCosts> measure_draw_costs(Renderer& renderer);
 /// one that cannot be written is no error. file empty: nothing is stored. Errors: measure's.
 Result<DrawCosts> stored_draw_costs(const std::filesystem::path& file, const std::string& key,
                                     const std::function<Result<DrawCosts>()>& measure);
-/// Both, in draw_costs.json beside calibration_file(). renderer_name: what tells it from others ("cpu", "gl:
+/// Both, in draw_costs.json in the user's cache folder. renderer_name: what tells it from others ("cpu", "gl:
 /// llvmpipe").
 Result<DrawCosts> draw_costs_here(Renderer& renderer, const std::string& renderer_name);
 

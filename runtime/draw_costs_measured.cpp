@@ -7,6 +7,7 @@
 #include "layout/file_io.h"
 #include "runtime/calibration.h"
 #include "runtime/draw_costs.h"
+#include "runtime/user_files.h"
 
 namespace promenade {
 namespace {
@@ -174,9 +175,7 @@ Result<DrawCosts> stored_draw_costs(const std::filesystem::path& file, const std
 }
 
 Result<DrawCosts> draw_costs_here(Renderer& renderer, const std::string& renderer_name) {
-  std::filesystem::path file = calibration_file();
-  if (!file.empty()) file.replace_filename("draw_costs.json");
-  return stored_draw_costs(file, calibration_machine(renderer_name),
+  return stored_draw_costs(user_file("XDG_CACHE_HOME", ".cache", "draw_costs.json"), calibration_machine(renderer_name),
                            [&renderer] { return measure_draw_costs(renderer); });
 }
 

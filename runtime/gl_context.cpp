@@ -16,13 +16,6 @@ std::string GlContext::description() const {
   return fmt::format("{}: OpenGL {}, {}", kind(), text(GL_VERSION), text(GL_RENDERER));
 }
 
-bool GlContext::is_software() const {
-  const std::string text = description();
-  for (const char* driver : {"llvmpipe", "softpipe", "Software Rasterizer", "SwiftShader"})
-    if (text.find(driver) != std::string::npos) return true;
-  return false;
-}
-
 std::string_view name_of(OffscreenKind kind) {
   switch (kind) {
     case OffscreenKind::automatic:

@@ -25,8 +25,6 @@ class GlContext {
   virtual std::string_view kind() const = 0;
   /// Version and renderer as OpenGL gives them, for reports.
   std::string description() const;
-  /// Whether the driver draws on the CPU.
-  bool is_software() const;
 };
 
 enum class OffscreenKind : uint8_t {

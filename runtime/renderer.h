@@ -15,8 +15,8 @@
 
 namespace promenade {
 
-/// Who draws: OpenGL, the CPU visibility buffer, or OpenGL where there is a GPU and the visibility buffer where there
-/// is none.
+/// Who draws: OpenGL, the CPU visibility buffer, or whichever of them is faster here: both are timed once for each way
+/// to OpenGL (a window, a context in memory, a GPU without a display), and the figures kept (calibration.h).
 enum class RendererKind : uint8_t { automatic, gl, cpu };
 
 /// Names of what a renderer holds. A handle is used by the renderer that gave it and, once destroyed, never again.

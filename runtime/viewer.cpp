@@ -15,6 +15,7 @@
 #include "codec/image_codec.h"
 #include "geometry/path.h"
 #include "layout/file_io.h"
+#include "runtime/calibration.h"
 #include "runtime/cpu_renderer.h"
 #include "runtime/gl_renderer.h"
 #include "runtime/gl_window.h"
@@ -72,8 +73,23 @@ struct WindowRenderer {
   GlRenderer* gl = nullptr;  ///< the same, if it draws with the window's OpenGL
 };
 
+/// Whether the CPU's renderer draws frames faster than the window's OpenGL: as measured here once.
+bool cpu_is_faster(GlWindow& window) {
+  const std::filesystem::path file = calibration_file("window");
+  const std::string name = window.description();
+  const Result<Calibration> known = calibrated(file, calibration_machine(name), [&]() -> Result<Calibration> {
+    const Result<std::unique_ptr<GlRenderer>> gl = create_gl_renderer(window);
+    if (!gl) return gl.error();
+    return calibrate(**gl, name);
+  });
+  const std::string why = known ? reason_of(*known, file) : "auto: no OpenGL: " + known.error().message;
+  const bool cpu = !known || known->cpu_is_faster();
+  fmt::print(stderr, "renderer: {} ({})\n", cpu ? "cpu: visibility buffer" : name, why);
+  return cpu;
+}
+
 Result<WindowRenderer> make_renderer(RendererKind kind, GlWindow& window) {
-  const bool on_cpu = kind == RendererKind::cpu || (kind == RendererKind::automatic && window.is_software());
+  const bool on_cpu = kind == RendererKind::cpu || (kind == RendererKind::automatic && cpu_is_faster(window));
   WindowRenderer drawing;
   if (on_cpu) {
     drawing.renderer = create_cpu_renderer();

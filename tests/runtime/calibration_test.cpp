@@ -80,6 +80,25 @@ TEST_F(CalibrationTest, a_failed_measurement_is_not_stored) {
   EXPECT_FALSE(std::filesystem::exists(file_));
 }
 
+TEST(CalibrationFile, is_one_for_each_way_to_opengl_below_the_cache_folder_that_is_asked_for) {
+  const char* before = std::getenv("XDG_CACHE_HOME");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("XDG_CACHE_HOME", "/some/cache", 1);
+  EXPECT_EQ(calibration_file("window"), "/some/cache/promenade/renderer-window.json");
+  EXPECT_EQ(calibration_file("egl"), "/some/cache/promenade/renderer-egl.json");
+  before == nullptr ? unsetenv("XDG_CACHE_HOME") : setenv("XDG_CACHE_HOME", kept.c_str(), 1);
+}
+
+TEST(CalibrationFrame, times_both_and_says_which_is_faster) {
+  const std::unique_ptr<Renderer> renderer = create_cpu_renderer();  // in OpenGL's place
+  const Result<Calibration> both = calibrate(*renderer, "a driver");
+  ASSERT_TRUE(both) << both.error().message;
+  EXPECT_GT(both->gl_ms, 0);
+  EXPECT_GT(both->cpu_ms, 0);
+  EXPECT_EQ(both->cpu_is_faster(), both->cpu_ms <= both->gl_ms);
+  EXPECT_NE(reason_of(*both, "a file").find("a driver; measured now"), std::string::npos);
+}
+
 TEST(CalibrationFrame, takes_time_and_leaves_nothing_behind) {
   const std::unique_ptr<Renderer> renderer = create_cpu_renderer();
   const Result<double> ms = calibration_frame_ms(*renderer);
