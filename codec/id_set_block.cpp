@@ -78,6 +78,10 @@ class Telling {
     at_ += ref - begin;
     return true;
   }
+  bool copy_all(std::span<const uint32_t> reference) {
+    at_ += reference.size();
+    return true;
+  }
   bool add(uint32_t) { return add_if(1, 0); }
   bool add_if(uint32_t held, uint32_t) {
     at_ += held;
@@ -113,6 +117,11 @@ class Hearing {
     }
     for (; ref != ref_last && *ref < end; ++ref)
       if (!add(*ref)) return false;
+    return true;
+  }
+  [[gnu::always_inline]] bool copy_all(std::span<const uint32_t> reference) {
+    if (reference.size() > static_cast<size_t>(last_ - at_)) return false;
+    at_ = std::copy(reference.begin(), reference.end(), at_);
     return true;
   }
   [[gnu::always_inline]] bool add(uint32_t id) { return add_if(1, id); }
@@ -151,7 +160,7 @@ class Walk {
     const uint32_t *ref = reference.data(), *const ref_last = ref + reference.size();
     bool room = true;
     if (coder.decide(models_.equal, same ? 0 : 1) == 0)
-      room = coder.copy_below(ref, ref_last, size_);
+      room = coder.copy_all(reference);
     else
       room = changed_families(ref, ref_last, coder);
     shared = coder;

@@ -21,6 +21,9 @@ constexpr std::array<SectionKind, 7> kSections = {{{"tree", 16},
                                                    {"vlod_nodes", 4},
                                                    {"vlod_blocks", 24}}};
 constexpr uint64_t kListOffset = 80;
+constexpr uint64_t kFrameSumOffset = 28;
+// Bounds memory on hostile input: boxes that share most of their coordinates come to a tenth, never to a thousandth.
+constexpr uint64_t kMostExpansion = 1024, kLeastContent = 1 << 16;
 static_assert(kListOffset + kSections.size() * SectionEntry::kBytes + sizeof(uint64_t) == kCellsHeaderBytes);
 
 void put(ByteWriter& w, const Box& box) {
@@ -117,19 +120,23 @@ std::string find_vlod_defect(const CellsFile& file, uint64_t vlods_end) {
 }  // namespace
 
 EncodedCells encode_cells(const CellsFile& file, uint64_t sections_offset) {
+  ByteWriter list;
+  SectionWriter writer(sections_offset);
+  for_each_section(file, [&](const SectionKind& kind, const auto& table) {
+    writer.add(list, kind, table, [](ByteWriter& w, const auto& entry) { put(w, entry); });
+  });
+  std::vector<std::byte> sections = compress_frame(writer.take());
   ByteWriter header;
-  SectionWriter sections(sections_offset);
   for (const char c : kMagic) header.put(static_cast<uint8_t>(c));
   header.put(kCellsVersion), header.put(static_cast<uint32_t>(kSections.size()));
-  header.put(file.owner.tables_checksum), header.put(file.owner.nodes), header.put(uint32_t(0));
+  header.put(file.owner.tables_checksum), header.put(file.owner.nodes);
+  header.put(static_cast<uint32_t>(checksum(sections)));
   const FrontBound& bound = file.tables.bound;
   header.put(bound.pixel_error), header.put(bound.scale.focal_px), header.put(bound.scale.tan_corner);
   put(header, file.tables.box);
-  for_each_section(file, [&](const SectionKind& kind, const auto& table) {
-    sections.add(header, kind, table, [](ByteWriter& w, const auto& entry) { put(w, entry); });
-  });
+  header.put_bytes(list.bytes());
   header.put(checksum(header.bytes()));
-  return {header.take(), sections.take()};
+  return {header.take(), std::move(sections)};
 }
 
 Result<uint64_t> sections_offset_of(std::span<const std::byte> header, uint64_t file_bytes) {
@@ -147,6 +154,12 @@ Result<CellsFile> decode_cells(std::span<const std::byte> header, std::span<cons
   if (!begin) return begin.error();
   if (sections.size() != file_bytes - *begin)
     return Error{fmt::format("sections: {} bytes, {} are due", sections.size(), file_bytes - *begin)};
+  const Result<std::vector<std::byte>> content =
+      decompress_frame(sections, kLeastContent + kMostExpansion * sections.size());
+  if (!content) return Error{fmt::format("sections @{:#x}: {}", *begin, content.error().message)};
+  const auto stored = ByteReader(header.subspan(kFrameSumOffset)).get<uint32_t>();
+  if (const auto found = static_cast<uint32_t>(checksum(sections)); found != stored)
+    return Error{fmt::format("sections @{:#x}: checksum {:08x} != {:08x}", *begin, found, stored)};
   CellsFile file;
   ByteReader reader(header.subspan(kMagic.size() + 2 * sizeof(uint32_t)));
   file.owner.tables_checksum = reader.get<uint64_t>();
@@ -157,7 +170,7 @@ Result<CellsFile> decode_cells(std::span<const std::byte> header, std::span<cons
   bound.scale.focal_px = reader.get<double>(), bound.scale.tan_corner = reader.get<double>();
   get(reader, file.tables.box);
   Status status = Done{};
-  SectionReader reads(sections, *begin);
+  SectionReader reads(*content, *begin);
   for_each_section(file, [&](const SectionKind& kind, auto& table) {
     const SectionEntry entry = get_section_entry(reader);
     if (status) status = reads.read(entry, kind, table, [](ByteReader& r, auto& e) { get(r, e); });

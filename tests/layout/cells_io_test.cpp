@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "codec/frame.h"
 #include "layout/cells_codec.h"
 #include "layout/model_io.h"
 #include "tests/layout/cell_fixtures.h"
@@ -114,7 +115,24 @@ TEST_F(CellsIo, every_changed_byte_is_an_error) {
 TEST_F(CellsIo, trailing_byte_is_an_error) {
   auto whole = *read_file(path);
   whole.push_back(std::byte{0});
-  EXPECT_THAT(error_of(whole), HasSubstr("1 bytes follow the last section"));
+  EXPECT_THAT(error_of(whole), HasSubstr("1 bytes follow"));
+}
+
+TEST_F(CellsIo, tables_of_many_cells_take_a_part_of_their_bytes) {
+  CellsFile file{kOwner, {}, {}, {}};
+  for (int i = 0; i < 1000; ++i) file.tables.portals.push_back({{float(i), 0, 0}, {float(i), 2, 3}});
+  const EncodedCells encoded = encode_cells(file, 320);
+  EXPECT_LT(encoded.sections.size(), 1000 * 24 / 3);
+}
+
+TEST_F(CellsIo, a_frame_that_claims_too_much_takes_no_memory) {
+  // A frame of 256 MiB of zeros in place of the tables, under a sound checksum of the header.
+  CellsFile file{kOwner, three_cells(), {1, 1, 1}, {{312, 1, 2, 0}, {312, 1, 1, 0}}};
+  const EncodedCells encoded = encode_cells(file, 320);
+  const std::vector<std::byte> bomb = compress_frame(std::vector<std::byte>(size_t(1) << 28), 1);
+  const auto result = decode_cells(encoded.header, bomb, 320 + bomb.size());
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().message, HasSubstr("claims"));
 }
 
 TEST_F(CellsIo, another_version_and_other_files_are_told) {
