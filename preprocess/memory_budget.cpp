@@ -6,6 +6,8 @@
 #include <bit>
 #include <thread>
 
+#include "preprocess/node_builder.h"
+
 namespace promenade {
 
 namespace {
@@ -19,6 +21,8 @@ constexpr uint64_t kProgram =
 constexpr uint64_t kChunkTriangle = 400;
 constexpr uint64_t kNodeTriangle =
     1200;  // of the children's, while a node is made: copies, quadrics, trees for measuring
+// Of what a node is measured against: positions, a tree over them and the distances found.
+constexpr uint64_t kReferenceTriangle = 150;
 constexpr uint64_t kSample = 40;
 constexpr uint32_t kLeastChunk = 1U << 14, kMostChunk = 1U << 20;
 constexpr uint32_t kMostSamples = 1U << 22;  // two per mille of error at a chunk of a billion triangles' model
@@ -37,7 +41,8 @@ Result<MemoryBudget> plan_memory(const MemoryWishes& wishes) {
   budget.memory_bytes = wishes.memory_bytes;
   const uint64_t free = wishes.memory_bytes - kProgram;
   // Half as many children again as the level factor says: see LeafShares.
-  const uint64_t node = uint64_t(wishes.node_triangles) * wishes.level_factor * kNodeTriangle * 3 / 2;
+  const uint64_t node = uint64_t(wishes.node_triangles) *
+                        (wishes.level_factor * kNodeTriangle * 3 / 2 + kReferenceNodes * kReferenceTriangle);
   if (node > free / 4)
     return needs(
         fmt::format("a level factor of {} with nodes of {} triangles", wishes.level_factor, wishes.node_triangles),

@@ -17,7 +17,7 @@ namespace promenade {
 namespace {
 
 constexpr uint32_t kLocalTexture = 0x80000000U;  // a child's atlas rather than a shared texture
-constexpr double kStepShare = 1.0 / 4;           // of a node's error that its grid is wide: adds a fifth at most
+constexpr double kStepShare = 1.0 / 8;           // of a node's error that its grid is wide: adds a tenth at most
 // How exactly a node's distance to its children is measured: what their own errors hide, or what is small beside the
 // node, need not be (a sixth of a build's time).
 constexpr double kToleranceOfError = 0.25, kToleranceOfSize = 1e-4;
@@ -147,6 +147,26 @@ NodeBuilder::Merged NodeBuilder::merge(std::span<const NodeSurface> children) co
   return merged;
 }
 
+/// What the children were measured against, or the children themselves where that is too much.
+Reference NodeBuilder::reference_of(std::span<const NodeSurface> children) const {
+  size_t triangles = 0;
+  for (const NodeSurface& child : children)
+    triangles += std::max(child.reference.mesh.triangle_count(), child.mesh.triangle_count());
+  const bool detailed = triangles <= kReferenceNodes * options_.node_triangles;
+  Reference reference;
+  for (const NodeSurface& child : children) {
+    const bool own = !detailed || child.reference.mesh.indices.empty();
+    const Mesh& mesh = own ? child.mesh : child.reference.mesh;
+    const auto first = static_cast<uint32_t>(reference.mesh.positions.size());
+    reference.mesh.positions.insert(reference.mesh.positions.end(), mesh.positions.begin(), mesh.positions.end());
+    reference.mesh.indices.reserve(reference.mesh.indices.size() + mesh.indices.size());
+    for (const uint32_t v : mesh.indices) reference.mesh.indices.push_back(first + v);
+    reference.error_m = std::max(reference.error_m, own ? child.error_m : child.reference.error_m);
+    reference.p99_m = std::max(reference.p99_m, own ? child.p99_m : child.reference.p99_m);
+  }
+  return reference;
+}
+
 Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, const Box& cell) const {
   BuiltNode node;
   NodeSurface& surface = node.surface;
@@ -156,6 +176,7 @@ Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, cons
     surface.texture_error_m = std::max(surface.texture_error_m, child.texture_error_m);
     if (child.texel_m > 0 && (surface.texel_m == 0 || child.texel_m < surface.texel_m)) surface.texel_m = child.texel_m;
   }
+  surface.reference = reference_of(children);
   const Merged merged = merge(children);
   Mesh bare = merged.mesh;
   bare.texcoords.clear();
@@ -171,11 +192,12 @@ Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, cons
     surface.mesh = simplify(bare, simplify_options);
     if (surface.mesh.indices.empty())
       return Error{"simplification left no triangle: please report this with the source"};
+    const Reference& reference = surface.reference;
     const double tolerance_m =
-        std::max(kToleranceOfError * surface.error_m, kToleranceOfSize * double(bounds(bare).diagonal()));
-    const SurfaceDistance distance = surface_distance(bare, surface.mesh, kSlack, tolerance_m);
-    surface.error_m += double(distance.bound_m);
-    surface.p99_m += double(distance.p99_m);
+        std::max(kToleranceOfError * reference.error_m, kToleranceOfSize * double(bounds(bare).diagonal()));
+    const SurfaceDistance distance = surface_distance(reference.mesh, surface.mesh, kSlack, tolerance_m);
+    surface.error_m = reference.error_m + double(distance.bound_m);
+    surface.p99_m = reference.p99_m + double(distance.p99_m);
   } else {
     surface.mesh = std::move(bare);
   }

@@ -31,12 +31,22 @@ struct StoredNode {
   std::vector<Material> atlas_materials;  ///< but for their texture, which is the atlas
 };
 
+/// A surface without its looks that others are measured against, and how far it may be from the source.
+struct Reference {
+  Mesh mesh;  ///< positions and triangles only
+  double error_m = 0, p99_m = 0;
+};
+
+/// Most triangles of a reference, to a node's: errors add up only every few levels.
+constexpr size_t kReferenceNodes = 24;
+
 /// What a node's parent is made from.
 struct NodeSurface {
   Mesh mesh;                              ///< before coding; untextured triangles have plain materials
   std::vector<Material> atlas_materials;  ///< as in StoredNode
   std::shared_ptr<const Image> atlas;
   double error_m = 0, p99_m = 0;               ///< of `mesh`, without coding
+  Reference reference;                         ///< more detailed than `mesh`: what that was measured against; or empty
   double texture_error_m = 0;                  ///< how far a colour may be from its place
   float texel_m = 0;                           ///< of the finest picture on it; 0: none
   Box box;                                     ///< as in NodeRecord
@@ -69,13 +79,14 @@ class NodeBuilder {
 
   /// A leaf shows the source's triangles as they are, rounded to the leaves' grid.
   Result<BuiltNode> leaf(Mesh mesh) const;
-  /// A node above others: their surfaces together, simplified, measured against them; the errors add up. cell: between
-  /// the planes of the partition.
+  /// A node above others: their surfaces together, simplified, measured against the most detailed surface below that is
+  /// small enough; its error and the distance add up. cell: between the planes of the partition.
   Result<BuiltNode> inner(std::span<const NodeSurface> children, const Box& cell) const;
 
  private:
   struct Merged;
   Merged merge(std::span<const NodeSurface> children) const;
+  Reference reference_of(std::span<const NodeSurface> children) const;
   Status bake(const Merged& merged, BuiltNode& node) const;
   Status store(const Mesh& mesh, double step_m, std::span<const NodeSurface> children, BuiltNode& node) const;
   Status encode(const Mesh& mesh, double step_m, StoredNode& stored, float& error_m) const;

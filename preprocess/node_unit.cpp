@@ -81,6 +81,7 @@ std::vector<std::byte> surface_bytes(const NodeSurface& s) {
   ByteWriter writer;
   writer.mesh(s.mesh);
   write(writer, s.atlas_materials);
+  writer.mesh(s.reference.mesh), writer.value(s.reference.error_m), writer.value(s.reference.p99_m);
   writer.value(s.error_m), writer.value(s.p99_m), writer.value(s.texture_error_m), writer.value(s.texel_m);
   write(writer, s.box), write(writer, s.cone);
   writer.value(s.stored_error_m), writer.value(s.stored_p99_m);
@@ -90,6 +91,8 @@ NodeSurface read_surface(ByteReader& reader) {
   NodeSurface s;
   s.mesh = reader.mesh();
   s.atlas_materials = read_materials(reader);
+  s.reference.mesh = reader.mesh();
+  s.reference.error_m = reader.value<double>(), s.reference.p99_m = reader.value<double>();
   s.error_m = reader.value<double>(), s.p99_m = reader.value<double>(), s.texture_error_m = reader.value<double>();
   s.texel_m = reader.value<float>();
   s.box = read_box(reader), s.cone = read_cone(reader);
