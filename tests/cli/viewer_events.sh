@@ -25,8 +25,11 @@ hold() { xdotool keydown "$1"; sleep "$2"; xdotool keyup "$1"; sleep 0.3; }
 "$program" build city.glb -o city.prom 2>/dev/null
 "$program" view city.prom --renderer "${2:-auto}" --size 640x360 --camera 20,20,2,45,0 2>view.log &
 viewer=$!
-wait_for 30 window xdotool search --name Promenade
+wait_for 60 window xdotool search --name Promenade
+# The first start measures both renderers before it takes keys: it does when a picture comes.
+for _ in {1..120}; do xdotool key p; sleep 0.5; [[ -s view-0001.png ]] && break; done
 sleep 1
+rm -f view-*.png
 hold r 0.5
 hold w 1.5
 xdotool mousemove 450 200 mousedown 1

@@ -19,7 +19,7 @@ fail() { echo "viewer_soak: $1" >&2; tail -n 40 view.log >&2; exit 1; }
 "$program" view city.prom --size 640x360 --camera 20,20,30,45,-20 --memory 64MiB 2>view.log &
 viewer=$!
 for ((i = 0; i < 600; ++i)); do xdotool search --name Promenade >/dev/null 2>&1 && break; sleep 0.1; done
-sleep 1
+for _ in {1..120}; do xdotool key p; sleep 0.5; [[ -s view-0001.png ]] && break; done
 keys=(w w w w s a d space c q e f g g b v h l r p Home 1 2 3 ctrl+1 ctrl+2 Up Down Left Right)
 begin=$SECONDS
 : >memory.txt
