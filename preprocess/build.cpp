@@ -11,8 +11,8 @@
 
 #include "codec/frame.h"
 #include "preprocess/assemble.h"
-#include "preprocess/byte_io.h"
 #include "preprocess/partition.h"
+#include "preprocess/unit_io.h"
 #include "preprocess/visibility/hider_chain.h"
 
 namespace promenade {
@@ -21,7 +21,7 @@ namespace {
 
 constexpr uint64_t kHidersPart = 2;  // of the memory: nothing else of a build is in it by then
 
-constexpr uint32_t kUnitsVersion = 3;  // of the work units' content: a change makes builds begin anew
+constexpr uint32_t kUnitsVersion = 4;  // of the work units' content: a change makes builds begin anew
 
 /// Measures the stages of a build.
 class StageClock {
@@ -57,14 +57,14 @@ Status check_options(const BuildOptions& o) {
 }
 
 uint64_t tool_hash() {
-  ByteWriter writer;
+  UnitWriter writer;
   writer.text(PROMENADE_VERSION), writer.value(kUnitsVersion);
   return checksum(writer.bytes());
 }
 
 /// Everything that the units of partition and tree depend on.
 uint64_t hash_of(const BuildOptions& o, const MemoryBudget& budget, const Survey& survey) {
-  ByteWriter writer;
+  UnitWriter writer;
   writer.value(tool_hash()), writer.value(survey.hash);
   writer.value(o.node_triangles), writer.value(o.level_factor), writer.value(o.geometry_codec);
   writer.value(o.max_texture_px), writer.value(o.jpeg_quality);
@@ -89,7 +89,7 @@ float leaf_step_m(const Survey& survey, uint32_t node_triangles) {
 /// Everything that the model depends on.
 uint64_t hash_of(const BuildOptions& o, uint64_t tree_hash) {
   if (o.visibility.cells == CellStyle::none) return tree_hash;
-  ByteWriter writer;
+  UnitWriter writer;
   writer.value(tree_hash), writer.value(hash_of(o.visibility));
   writer.text(o.order.name), writer.text(o.order.file.string());
   return checksum(writer.bytes());

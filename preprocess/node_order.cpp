@@ -9,8 +9,8 @@
 #include "codec/id_set.h"
 #include "layout/file_io.h"
 #include "layout/step_sets.h"
-#include "preprocess/byte_io.h"
 #include "preprocess/survey.h"
+#include "preprocess/unit_io.h"
 
 namespace promenade {
 namespace {
@@ -43,7 +43,7 @@ Result<Steps> steps_of(const Model& model, const Visibility& visibility) {
 }
 
 uint64_t hash_of(const Incidence& matrix) {
-  ByteWriter writer;
+  UnitWriter writer;
   writer.value(kUnitsVersion), writer.value(matrix.rows);
   writer.value(checksum(std::as_bytes(std::span(matrix.first))));
   writer.value(checksum(std::as_bytes(std::span(matrix.ones))));
@@ -59,7 +59,7 @@ class TourUnits {
   Result<ColumnOrder> run() {
     const std::string unit = "order-tour";
     if (const auto payload = folder_.load(unit, hash_)) {
-      ByteReader reader(*payload);
+      UnitReader reader(*payload);
       ColumnOrder order = reader.array<uint32_t>();
       if (reader.ok() && is_permutation_of(order, matrix_.columns())) return order;
     }
@@ -68,7 +68,7 @@ class TourUnits {
           return neighbours(among, options);
         });
     if (!order.ok()) return order;
-    ByteWriter writer;
+    UnitWriter writer;
     writer.array(*order);
     PROMENADE_TRY(folder_.store(unit, hash_, writer.bytes()));
     return order;
@@ -91,13 +91,13 @@ class TourUnits {
                                              uint32_t round) {
     const std::string unit = fmt::format("order-near-{:02}", round);
     if (const auto payload = folder_.load(unit, hash_)) {
-      ByteReader reader(*payload);
+      UnitReader reader(*payload);
       NeighbourLists lists;
       lists.first = reader.array<uint64_t>(), lists.all = reader.array<Neighbour>();
       if (reader.ok() && is_sound(lists, among.size())) return lists;
     }
     NeighbourLists lists = near_columns_of_round(matrix_, among, options, round);
-    ByteWriter writer;
+    UnitWriter writer;
     writer.array(lists.first), writer.array(lists.all);
     PROMENADE_TRY(folder_.store(unit, hash_, writer.bytes()));
     return lists;

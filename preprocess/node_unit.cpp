@@ -5,7 +5,7 @@
 #include <span>
 
 #include "codec/image_codec.h"
-#include "preprocess/byte_io.h"
+#include "preprocess/unit_io.h"
 
 namespace promenade {
 
@@ -13,24 +13,24 @@ namespace {
 
 constexpr uint64_t kLargestTables = uint64_t(1) << 32;  // bounds recursion into a damaged file
 
-void write(ByteWriter& writer, const Box& box) { writer.value(box.min), writer.value(box.max); }
-Box read_box(ByteReader& reader) {
+void write(UnitWriter& writer, const Box& box) { writer.value(box.min), writer.value(box.max); }
+Box read_box(UnitReader& reader) {
   const auto min = reader.value<glm::vec3>();
   return {min, reader.value<glm::vec3>()};
 }
 
-void write(ByteWriter& writer, const NormalCone& cone) { writer.value(cone.axis), writer.value(cone.cos_angle); }
-NormalCone read_cone(ByteReader& reader) {
+void write(UnitWriter& writer, const NormalCone& cone) { writer.value(cone.axis), writer.value(cone.cos_angle); }
+NormalCone read_cone(UnitReader& reader) {
   const auto axis = reader.value<glm::vec3>();
   return {axis, reader.value<float>()};
 }
 
-void write(ByteWriter& writer, const NodeRecord& r) {
+void write(UnitWriter& writer, const NodeRecord& r) {
   write(writer, r.box), write(writer, r.cone);
   writer.value(r.error_m), writer.value(r.error_p99_m), writer.value(r.average_normal), writer.value(r.surface_m2);
   writer.value(r.triangles), writer.value(r.textured_triangles), writer.value(r.vertices);
 }
-NodeRecord read_record(ByteReader& reader) {
+NodeRecord read_record(UnitReader& reader) {
   NodeRecord r;
   r.box = read_box(reader), r.cone = read_cone(reader);
   r.error_m = reader.value<float>(), r.error_p99_m = reader.value<float>();
@@ -40,14 +40,14 @@ NodeRecord read_record(ByteReader& reader) {
   return r;
 }
 
-void write(ByteWriter& writer, const std::vector<Material>& materials) {
+void write(UnitWriter& writer, const std::vector<Material>& materials) {
   writer.value(static_cast<uint64_t>(materials.size()));
   for (const Material& m : materials) {
     writer.value(m.color), writer.value(m.texture), writer.value(m.wrap_u), writer.value(m.wrap_v);
     writer.value(m.alpha), writer.value(m.alpha_cutoff), writer.value(uint8_t(m.two_sided));
   }
 }
-std::vector<Material> read_materials(ByteReader& reader) {
+std::vector<Material> read_materials(UnitReader& reader) {
   std::vector<Material> materials;
   for (auto left = reader.value<uint64_t>(); left > 0 && reader.ok(); --left) {
     Material& m = materials.emplace_back();
@@ -58,14 +58,14 @@ std::vector<Material> read_materials(ByteReader& reader) {
   return materials;
 }
 
-void write(ByteWriter& writer, const UnitNode& node) {
+void write(UnitWriter& writer, const UnitNode& node) {
   write(writer, node.record);
   writer.array(node.children), writer.value(node.mesh), writer.value(node.step_m), writer.array(node.textures),
       writer.value(node.atlas);
   writer.value(node.atlas_record.width), writer.value(node.atlas_record.height), writer.value(node.atlas_record.flags);
   write(writer, node.atlas_materials);
 }
-UnitNode read_node(ByteReader& reader) {
+UnitNode read_node(UnitReader& reader) {
   UnitNode node;
   node.record = read_record(reader);
   node.children = reader.array<uint32_t>(), node.mesh = reader.value<UnitBlob>();
@@ -78,7 +78,7 @@ UnitNode read_node(ByteReader& reader) {
 }
 
 std::vector<std::byte> surface_bytes(const NodeSurface& s) {
-  ByteWriter writer;
+  UnitWriter writer;
   writer.mesh(s.mesh);
   write(writer, s.atlas_materials);
   writer.mesh(s.reference.mesh), writer.value(s.reference.error_m), writer.value(s.reference.p99_m);
@@ -87,7 +87,7 @@ std::vector<std::byte> surface_bytes(const NodeSurface& s) {
   writer.value(s.stored_error_m), writer.value(s.stored_p99_m);
   return std::move(writer.bytes());
 }
-NodeSurface read_surface(ByteReader& reader) {
+NodeSurface read_surface(UnitReader& reader) {
   NodeSurface s;
   s.mesh = reader.mesh();
   s.atlas_materials = read_materials(reader);
@@ -102,7 +102,7 @@ NodeSurface read_surface(ByteReader& reader) {
 
 /// Payload: offset of the tables; blobs; tables.
 struct Assembly {
-  ByteWriter writer;
+  UnitWriter writer;
   UnitBlob add(std::span<const std::byte> bytes) {
     const UnitBlob blob{writer.bytes().size(), bytes.size()};
     writer.bytes().insert(writer.bytes().end(), bytes.begin(), bytes.end());
@@ -111,10 +111,10 @@ struct Assembly {
 };
 
 std::optional<NodeUnit> parse(const std::string& name, std::span<const std::byte> payload) {
-  ByteReader start(payload);
+  UnitReader start(payload);
   const auto tables = start.value<uint64_t>();
   if (!start.ok() || tables > payload.size()) return std::nullopt;
-  ByteReader reader(payload.subspan(static_cast<size_t>(tables)));
+  UnitReader reader(payload.subspan(static_cast<size_t>(tables)));
   NodeUnit unit;
   unit.name = name;
   unit.payload_bytes = payload.size();
@@ -166,7 +166,7 @@ Result<NodeSurface> read_root_surface(const WorkFolder& folder, const NodeUnit& 
   if (!file.ok()) return file.error();
   const Result<std::vector<std::byte>> bytes = folder.read(*file, unit.surface.offset, unit.surface.bytes);
   if (!bytes.ok()) return bytes.error();
-  ByteReader reader(*bytes);
+  UnitReader reader(*bytes);
   NodeSurface surface = read_surface(reader);
   if (!reader.ok()) return damaged;
   if (const UnitBlob& atlas = unit.nodes.front().atlas; atlas.bytes > 0) {

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <optional>
 
-#include "preprocess/byte_io.h"
 #include "preprocess/lattice_cut.h"
 #include "preprocess/mesh_piece.h"
+#include "preprocess/unit_io.h"
 
 namespace promenade {
 
@@ -157,7 +157,7 @@ class Router {
 };
 
 std::vector<std::byte> unit_of(const SpillIndex& index) {
-  ByteWriter writer;
+  UnitWriter writer;
   writer.value(index.file_bytes);
   writer.value(uint64_t(index.chunks.size()));
   for (const ChunkSpill& chunk : index.chunks) {
@@ -170,7 +170,7 @@ std::vector<std::byte> unit_of(const SpillIndex& index) {
 std::optional<SpillIndex> finished_partition(const WorkFolder& folder, uint64_t hash, uint32_t chunks) {
   const auto bytes = folder.load(kPartitionUnit, hash);
   if (!bytes) return std::nullopt;
-  ByteReader reader(*bytes);
+  UnitReader reader(*bytes);
   SpillIndex index;
   index.file_bytes = reader.value<uint64_t>();
   if (reader.value<uint64_t>() != chunks) return std::nullopt;

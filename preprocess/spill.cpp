@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "codec/frame.h"
-#include "preprocess/byte_io.h"
+#include "preprocess/unit_io.h"
 
 namespace promenade {
 
@@ -49,7 +49,7 @@ Status SpillWriter::write_block(uint32_t chunk) {
   buffers_[chunk] = {};
   waiting_bytes_ -= buffer_sizes_[chunk];
   buffer_sizes_[chunk] = 0;
-  ByteWriter writer;
+  UnitWriter writer;
   writer.mesh(mesh);
   const std::vector<std::byte> frame = compress_frame(writer.bytes(), kSpillLevel);
   ChunkSpill& spill = index_.chunks[chunk];
@@ -77,7 +77,7 @@ Result<Mesh> read_spill(const RandomAccessFile& file, const ChunkSpill& chunk) {
     if (checksum(frame) != block.checksum) return damaged;
     Result<std::vector<std::byte>> bytes = decompress_frame(frame, uint64_t(1) << 32);
     if (!bytes.ok()) return damaged;
-    ByteReader reader(*bytes);
+    UnitReader reader(*bytes);
     const Mesh mesh = reader.mesh();
     if (!reader.ok()) return damaged;
     append(whole, mesh);

@@ -9,7 +9,7 @@
 
 #include "codec/frame.h"
 #include "codec/image_codec.h"
-#include "preprocess/byte_io.h"
+#include "preprocess/unit_io.h"
 
 namespace promenade {
 
@@ -31,7 +31,7 @@ bool has_opacity(const Image& image) {
 }
 
 std::vector<std::byte> unit_bytes(const StoredTexture& stored, std::span<const std::byte> encoded) {
-  ByteWriter writer;
+  UnitWriter writer;
   writer.value(stored.width), writer.value(stored.height), writer.value(uint8_t(stored.has_opacity));
   writer.value(stored.reduction);
   writer.array(std::vector<std::byte>(encoded.begin(), encoded.end()));
@@ -40,7 +40,7 @@ std::vector<std::byte> unit_bytes(const StoredTexture& stored, std::span<const s
 
 /// Fills in all but the unit's name.
 std::optional<std::vector<std::byte>> parse_unit(std::span<const std::byte> bytes, StoredTexture& stored) {
-  ByteReader reader(bytes);
+  UnitReader reader(bytes);
   stored.width = reader.value<uint32_t>(), stored.height = reader.value<uint32_t>();
   stored.has_opacity = reader.value<uint8_t>() != 0;
   stored.reduction = reader.value<float>();
@@ -64,7 +64,7 @@ struct TextureStore::Prepared {
 TextureStore::Prepared TextureStore::prepare(const SourceTexture& texture, uint64_t content) const {
   Prepared out;
   out.stored.unit = fmt::format("texture-{:016x}", content);
-  ByteWriter key;
+  UnitWriter key;
   key.value(content), key.value(options_.max_texture_px), key.value(options_.jpeg_quality),
       key.value(options_.tool_hash);
   out.unit_hash = checksum(key.bytes());

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "codec/frame.h"
-#include "preprocess/byte_io.h"
+#include "preprocess/unit_io.h"
 #include "preprocess/visibility/visibility.h"
 
 namespace promenade {
@@ -52,7 +52,7 @@ Status check_options(const CellOptions& o) {
 }
 
 uint64_t hash_of(const CellOptions& o) {
-  ByteWriter writer;
+  UnitWriter writer;
   const FrontBound bound = bound_of(o);
   writer.value(o.cells), writer.value(bound.pixel_error), writer.value(bound.scale.focal_px);
   writer.value(bound.scale.tan_corner), writer.value(o.cell_triangles), writer.value(o.smallest_cell_m);

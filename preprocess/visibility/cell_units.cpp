@@ -11,8 +11,8 @@
 
 #include "codec/frame.h"
 #include "codec/id_set.h"
-#include "preprocess/byte_io.h"
 #include "preprocess/survey.h"
+#include "preprocess/unit_io.h"
 
 namespace promenade {
 
@@ -28,7 +28,7 @@ CodedVlod coded(const CellVlod& vlod) {
 }
 
 std::vector<std::byte> payload_of(std::span<const CodedVlod> vlods) {
-  ByteWriter writer;
+  UnitWriter writer;
   for (const CodedVlod& v : vlods) {
     writer.array(v.ids), writer.value(v.nodes), writer.value(v.triangles);
     writer.value(v.front_nodes), writer.value(v.front_triangles);
@@ -37,7 +37,7 @@ std::vector<std::byte> payload_of(std::span<const CodedVlod> vlods) {
 }
 
 bool read_payload(std::span<const std::byte> payload, std::span<CodedVlod> vlods) {
-  ByteReader reader(payload);
+  UnitReader reader(payload);
   for (CodedVlod& v : vlods) {
     v.ids = reader.array<std::byte>(), v.nodes = reader.value<uint32_t>(), v.triangles = reader.value<uint64_t>();
     v.front_nodes = reader.value<uint32_t>(), v.front_triangles = reader.value<uint64_t>();

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "codec/frame.h"
-#include "preprocess/byte_io.h"
+#include "preprocess/unit_io.h"
 #include "preprocess/visibility/view_cells.h"
 #include "preprocess/visibility/view_volume.h"
 #include "preprocess/visibility/wall_planes.h"
@@ -228,7 +228,7 @@ CellStyle style_of(const CellOptions& options, const ViewVolume& volume) {
 }
 
 uint64_t hash_of(const FrontBound& bound, uint64_t hash) {
-  ByteWriter writer;
+  UnitWriter writer;
   writer.value(hash), writer.value(bound.pixel_error), writer.value(bound.scale.focal_px);
   writer.value(bound.scale.tan_corner);
   return checksum(writer.bytes());

@@ -15,7 +15,7 @@
 namespace promenade {
 
 /// Appends values. One thread.
-class ByteWriter {
+class UnitWriter {
  public:
   template <class T>
   void value(const T& value) {
@@ -49,10 +49,10 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads what ByteWriter wrote. After the first value that does not fit everything reads as zero and ok() is false.
-class ByteReader {
+/// Reads what UnitWriter wrote. After the first value that does not fit everything reads as zero and ok() is false.
+class UnitReader {
  public:
-  explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  explicit UnitReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   template <class T>
   T value() {
