@@ -106,7 +106,7 @@ int threshold_of(std::span<const uint32_t> counts, int least, uint64_t most) {
     pixels += sum[static_cast<size_t>(at)];
     if (pixels > most) break;
   }
-  return std::min(at + 1, raster_kernel::kStrengths - 1);
+  return at + 1;  // 256: none
 }
 
 }  // namespace

@@ -165,8 +165,10 @@ class CpuRenderer final : public Renderer {
   uint64_t frame_bytes(uint32_t width_px, uint32_t height_px) const override {
     const uint64_t padded = (uint64_t(width_px) + 7) / 8 * 8 * ((uint64_t(height_px) + 7) / 8 * 8);
     // Depth, id and the farthest depths of the tiles with their borders, of the solid picture and each layer; the
-    // picture before and after its edges are smoothed.
-    return (1 + kMostLayers) * (padded * 8 + padded / 4) + 2 * uint64_t(width_px) * height_px * 4;
+    // picture before and after its edges are smoothed, and how much its pixels differ.
+    const uint64_t differences = (uint64_t(width_px) + raster_kernel::kSmoothPadding) * height_px +
+                                 (uint64_t(height_px) + 7) / 8 * raster_kernel::kStrengths * sizeof(uint32_t);
+    return (1 + kMostLayers) * (padded * 8 + padded / 4) + 2 * uint64_t(width_px) * height_px * 4 + differences;
   }
 
   Status draw(const FrameView& view, std::span<const DrawItem> items) override;

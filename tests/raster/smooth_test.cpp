@@ -154,6 +154,26 @@ TEST(SmoothEdges, all_processors_and_threads_give_the_same_bytes) {
     }
 }
 
+TEST(SmoothEdges, no_more_pixels_than_asked_for_change) {
+  const Scene scene = leaning_faces();
+  const RasterView view = view_from_above(160, 20);
+  const auto changed = [](const Pictures& p) {
+    uint32_t count = 0;
+    for (size_t i = 0; i < p.plain.pixels.size(); ++i) count += p.plain.pixels[i] != p.smooth.pixels[i];
+    return count;
+  };
+  const Pictures all = pictures(view, scene.items, even_light());
+  ShadeOptions some = even_light();
+  some.most_smoothed = 0, some.least_smoothed_px = changed(all) - 1;
+  const Pictures few = pictures(view, scene.items, some);
+  EXPECT_GT(changed(few), 0U);
+  EXPECT_LT(changed(few), changed(all));
+  for (size_t i = 0; i < few.plain.pixels.size(); ++i)
+    EXPECT_TRUE(few.smooth.pixels[i] == few.plain.pixels[i] || few.smooth.pixels[i] == all.smooth.pixels[i]);
+  some.least_smoothed_px = 0;
+  EXPECT_EQ(changed(pictures(view, scene.items, some)), 0U);
+}
+
 TEST(SmoothEdges, pictures_of_any_small_size_do) {
   const Scene scene = leaning_faces();
   for (uint32_t w = 1; w < 20; w += 3)
