@@ -25,7 +25,20 @@ struct StudyArguments {
   std::string place = "street";
   LookOptions looks;
   double pixel_error = 1;
+  uint32_t eyes = 0;  ///< in each cell, for what an eye sees
   std::filesystem::path picture;
+};
+
+/// Nodes and triangles drawn: mean and most of several.
+struct Drawn {
+  uint64_t count = 0, nodes = 0, triangles = 0, most_nodes = 0, most_triangles = 0;
+  void add(const Model& model, std::span<const NodeId> front, std::span<const uint8_t> hidden) {
+    uint64_t n = 0, t = 0;
+    for (size_t i = 0; i < front.size(); ++i)
+      if (hidden[i] == 0) ++n, t += model.tables.nodes[index_of(front[i])].triangles;
+    ++count, nodes += n, triangles += t;
+    most_nodes = std::max(most_nodes, n), most_triangles = std::max(most_triangles, t);
+  }
 };
 
 /// A chain with its sums over the cells.
@@ -101,6 +114,7 @@ class CellStudy {
       }
       if (cells == 1 && &row == &rows_.back() && !arguments_.picture.empty())
         PROMENADE_TRY(draw_plan(cell, front, hidden_by, *looks));
+      if (&row == &rows_.back() && arguments_.eyes > 0) PROMENADE_TRY(see_from_eyes(row, cell, front, hidden));
       const CellVerdict verdict = judge(model, front, hidden, *looks);
       row.ratio_sum += double(verdict.kept_triangles) / double(std::max<uint64_t>(verdict.seen_triangles, 1));
       row.hidden_share_sum +=
@@ -109,6 +123,30 @@ class CellStudy {
       row.false_hidden_pixels += verdict.false_hidden_pixels;
       row.kept_nodes += verdict.kept_nodes, row.kept_triangles += verdict.kept_triangles;
       if (&row == &rows_.front()) front_nodes += verdict.front_nodes, seen_nodes += verdict.seen_nodes;
+    }
+    return Done{};
+  }
+
+  /// What is drawn when the chain is asked for an eye in the cell, and for what its view pyramid meets.
+  Status see_from_eyes(const ChainRow& row, const Box& cell, std::span<const NodeId> front,
+                       std::span<const uint8_t> hidden) {
+    const Model& model = meshes_.model().model();
+    cell_to_object.add(model, front, hidden);
+    const auto unit = [this] { return double(random_() >> 11U) * 0x1p-53; };
+    for (uint32_t i = 0; i < arguments_.eyes; ++i) {
+      Camera camera;
+      const double x = unit(), y = unit(), z = unit();
+      camera.pose.eye = glm::dvec3(cell.min) + glm::dvec3(x, y, z) * glm::dvec3(cell.size());
+      camera.pose.yaw_deg = 360 * unit();
+      const Frustum frustum = frustum_of(camera, glm::dvec3(0));
+      std::vector<uint8_t> unseen(hidden.begin(), hidden.end());
+      for (size_t k = 0; k < front.size(); ++k)
+        if (classify(frustum, model.tables.nodes[index_of(front[k])].box) == Overlap::outside) unseen[k] = 1;
+      const glm::vec3 eye(camera.pose.eye);
+      const WallClock clock;
+      for (const auto& hider : row.hiders) PROMENADE_TRY(hider->hide({{eye, eye}, front}, unseen));
+      eye_ms += clock.seconds() * 1e3;
+      eye_to_object.add(model, front, unseen);
     }
     return Done{};
   }
@@ -129,7 +167,8 @@ class CellStudy {
   }
 
   uint64_t cells = 0, eyes = 0, pixels = 0, front_nodes = 0, seen_nodes = 0;
-  double reference_ms = 0;
+  double reference_ms = 0, eye_ms = 0;
+  Drawn cell_to_object, eye_to_object;
 
  private:
   const StudyArguments& arguments_;
@@ -137,7 +176,36 @@ class CellStudy {
   std::vector<ChainRow>& rows_;
   std::unique_ptr<Hider> reference_;
   FrontBound bound_;
+  std::mt19937_64 random_{1};
 };
+
+/// [funkhouser1993] table 7.3.
+void print_cull_methods(const Model& model, const CellStudy& study, Json& figures) {
+  const auto whole = double(std::max<uint64_t>(model.manifest.source_triangles, 1));
+  fmt::print("  {:<20} {:>10} {:>10} {:>12} {:>12} {:>10} {:>10}\n", "cull method", "nodes", "most", "triangles",
+             "most", "of model", "most");
+  fmt::print("  {:<20} {:>10} {:>10} {:>12} {:>12} {:>9.2f}% {:>9.2f}%\n", "entire model", "", "",
+             model.manifest.source_triangles, "", 100.0, 100.0);
+  const auto row = [&](const char* name, const Drawn& drawn) {
+    const double n = double(std::max<uint64_t>(drawn.count, 1));
+    const double mean = double(drawn.triangles) / n;
+    fmt::print("  {:<20} {:>10.1f} {:>10} {:>12.0f} {:>12} {:>9.2f}% {:>9.2f}%\n", name, double(drawn.nodes) / n,
+               drawn.most_nodes, mean, drawn.most_triangles, 100 * mean / whole,
+               100 * double(drawn.most_triangles) / whole);
+    figures["cull_methods"].push_back({{"name", name},
+                                       {"nodes_mean", double(drawn.nodes) / n},
+                                       {"nodes_max", drawn.most_nodes},
+                                       {"triangles_mean", mean},
+                                       {"triangles_max", drawn.most_triangles},
+                                       {"share_mean", mean / whole},
+                                       {"share_max", double(drawn.most_triangles) / whole}});
+  };
+  row("cell-to-object", study.cell_to_object);
+  row("eye-to-object", study.eye_to_object);
+  const double eyes = double(std::max<uint64_t>(study.eye_to_object.count, 1));
+  fmt::print("  {:.2f} ms an eye\n", study.eye_ms / eyes);
+  figures["eye_ms"] = study.eye_ms / eyes;
+}
 
 void print_rows(const std::vector<ChainRow>& rows, const CellStudy& study) {
   const double n = double(study.cells);
@@ -213,6 +281,7 @@ Status run_study(StudyArguments arguments, JobMonitor& monitor, Json& figures) {
                              arguments.place, arguments.cells.side_m)};
   print_rows(*rows, study);
   figures = json_of(*rows, study);
+  if (arguments.eyes > 0) print_cull_methods(reader->model(), study, figures);
   return Done{};
 }
 
@@ -240,6 +309,10 @@ Command add_study_hiders(CLI::App& study) {
       ->capture_default_str();
   app->add_option("--views", arguments->looks.views, "Pictures of each cell that say what is seen")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--eyes", arguments->eyes,
+                  "Eyes in each cell, for a table of what is drawn of the whole model, of what the last chain leaves "
+                  "to the cell, and of what it leaves to an eye and its view of 60 degrees")
       ->capture_default_str();
   app->add_option("--pixel-error", arguments->pixel_error,
                   "Bound of the cells' fronts, pixels at 1280 x 720, 60 degrees")

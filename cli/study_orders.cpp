@@ -167,6 +167,7 @@ std::string page_of(const Arguments& arguments, const OrderStudy& study, const s
     body += fmt::format("<p>{}</p>\n<div style=\"overflow-x: auto\">{}</div>\n", escaped(results.walk_line),
                         html_table(results.walk, true));
   std::vector<PlotBar> runs;
+  runs.reserve(rows.size());
   for (const LayoutRow& row : rows) runs.push_back({row.name, row.runs_per_step});
   body += bar_plot(runs, "Runs", "a step");
   for (size_t i = 0; i < study.profiles().size(); ++i) {

@@ -3,52 +3,17 @@
 #include <gmock/gmock.h>
 #include <tbb/task_arena.h>
 
-#include "preprocess/visibility/audit.h"
-#include "preprocess/visibility/hider_chain.h"
 #include "preprocess/visibility/hiders/horizon.h"
 #include "preprocess/visibility/node_parts.h"
 #include "preprocess/visibility/occluders.h"
-#include "tests/preprocess/situations.h"
+#include "tests/preprocess/who_sees_whom.h"
 
 namespace promenade {
 namespace {
 
 using testing::HasSubstr;
 
-std::vector<uint8_t> hidden_by(const SituationModel& model, const std::vector<std::string>& names, const Box& cell) {
-  JobMonitor monitor;
-  const Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(names, model.reader(), {}, monitor);
-  EXPECT_TRUE(hiders.ok());
-  const std::vector<NodeId> front = model.front();
-  std::vector<uint8_t> hidden(front.size(), 0);
-  for (const auto& hider : *hiders) EXPECT_TRUE(hider->hide({cell, front}, hidden).ok());
-  return hidden;
-}
-
-/// Nodes that are hidden and that pictures from the cell show all the same.
-uint64_t misses(const SituationModel& model, const Box& cell, std::span<const uint8_t> hidden) {
-  const Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(model.reader(), 1U << 28U);
-  EXPECT_TRUE(meshes.ok());
-  LookOptions options;
-  options.views = 240;
-  const std::vector<NodeId> front = model.front();
-  const Result<Looks> looks = look_from_cell(**meshes, cell, front, hidden, options);
-  EXPECT_TRUE(looks.ok());
-  return judge(model.reader().model(), front, hidden, *looks).false_hidden_nodes;
-}
-
-struct Situation {
-  std::string name;
-  Objects objects;
-  Box cell;
-  std::vector<std::string> hidden, kept;  ///< by the default chain
-};
-// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest looks for this name
-void PrintTo(const Situation& s, std::ostream* out) { *out << s.name; }
-
 const Box middle_cell{{-2, -2, 0.5F}, {2, 2, 2.5F}};  // in the middle, on the ground
-
-Mesh thing_at(float x, float y, float z = 0) { return block({x - 0.5F, y - 0.5F, z}, {x + 0.5F, y + 0.5F, z + 1}); }
 
 /// A wall from ground up that is solid.
 Mesh wall(float x0, float y0, float x1, float y1, float top = 10, float bottom = -0.5F) {
@@ -235,14 +200,7 @@ std::vector<Situation> situations() {
 
 class WhoSeesWhom : public testing::TestWithParam<Situation> {};
 
-TEST_P(WhoSeesWhom, is_as_the_situation_says) {
-  const Situation& situation = GetParam();
-  const SituationModel model(situation.objects);
-  const std::vector<uint8_t> hidden = hidden_by(model, default_hiders(), situation.cell);
-  for (const std::string& name : situation.hidden) EXPECT_EQ(hidden[model.number_of(name)], 1) << name;
-  for (const std::string& name : situation.kept) EXPECT_EQ(hidden[model.number_of(name)], 0) << name;
-  EXPECT_EQ(misses(model, situation.cell, hidden), 0U);
-}
+TEST_P(WhoSeesWhom, is_as_the_situation_says) { expect_as_said(GetParam(), default_hiders()); }
 
 INSTANTIATE_TEST_SUITE_P(Hiders, WhoSeesWhom, testing::ValuesIn(situations()),
                          [](const auto& param_info) { return param_info.param.name; });
@@ -274,6 +232,43 @@ TEST(Audit, finds_no_place_to_stand_in_a_solid) {
   const Result<Looks> looks = look_from_cell(**meshes, middle_cell, model.front(), {}, {});
   ASSERT_TRUE(looks.ok());
   EXPECT_EQ(looks->eyes, 0U);
+}
+
+uint64_t eyes_in(const SituationModel& model, const Box& cell) {
+  const Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(model.reader(), 1U << 28U);
+  EXPECT_TRUE(meshes.ok());
+  LookOptions options;
+  options.views = 120;
+  const Result<Looks> looks = look_from_cell(**meshes, cell, model.front(), {}, options);
+  EXPECT_TRUE(looks.ok());
+  return looks.ok() ? looks->eyes : 0;
+}
+
+TEST(Audit, refuses_eyes_in_a_tower_on_a_podium) {
+  // The podium's roof goes on inside the tower and shows its front there.
+  const SituationModel model({{"ground", flat_ground()},
+                              {"podium", shell({-10, -10, -0.3F}, {10, 10, 5})},
+                              {"tower", shell({-4, -4, 5}, {4, 4, 40})}});
+  EXPECT_EQ(eyes_in(model, {{-2, -2, 6}, {2, 2, 8}}), 0U);
+  EXPECT_GT(eyes_in(model, {{6, 6, 6}, {8, 8, 8}}), 0U) << "beside the tower, on the podium";
+}
+
+TEST(Audit, refuses_eyes_below_the_ground) {
+  const SituationModel model({{"ground", flat_ground()}, {"house", wall(10, -10, 20, 10)}});
+  EXPECT_EQ(eyes_in(model, {{-2, -2, -3}, {2, 2, -1}}), 0U);
+  EXPECT_GT(eyes_in(model, {{-2, -2, 1}, {2, 2, 3}}), 0U);
+}
+
+TEST(Audit, refuses_eyes_all_but_in_the_plane_of_a_roof) {
+  const SituationModel model({{"ground", flat_ground()}, {"house", wall(-10, -10, 10, 10, 5)}});
+  EXPECT_EQ(eyes_in(model, {{-2, -2, 5.001F}, {2, 2, 5.008F}}), 0U);
+  EXPECT_GT(eyes_in(model, {{-2, -2, 5.1F}, {2, 2, 5.2F}}), 0U);
+}
+
+TEST(Audit, refuses_eyes_right_before_a_wall) {
+  const SituationModel model({{"ground", flat_ground()}, {"house", wall(10, -10, 20, 10)}});
+  EXPECT_EQ(eyes_in(model, {{9.995F, -2, 1}, {9.9999F, 2, 3}}), 0U);
+  EXPECT_GT(eyes_in(model, {{9.8F, -2, 1}, {9.9F, 2, 3}}), 0U);
 }
 
 TEST(Hiders, backface_hides_what_shows_its_back_only) {
