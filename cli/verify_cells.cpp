@@ -99,7 +99,7 @@ class Answers {
 
 struct Totals {
   uint64_t cells = 0, solid_cells = 0, pixels = 0, aimed_rays = 0, false_nodes = 0, false_pixels = 0, ratios = 0;
-  uint64_t missed_nodes = 0, missed_pixels = 0;
+  uint64_t missed_nodes = 0, missed_pixels = 0, slit_pixels = 0;
   double ratio_sum = 0;
 
   void add(const CheckedCell& cell) {
@@ -111,6 +111,7 @@ struct Totals {
     pixels += cell.looks.pixels, aimed_rays += cell.looks.aimed_rays;
     false_nodes += cell.verdict.false_hidden_nodes, false_pixels += cell.verdict.false_hidden_pixels;
     missed_nodes += cell.verdict.missed_nodes, missed_pixels += cell.verdict.missed_pixels;
+    slit_pixels += cell.verdict.slit_pixels;
     if (cell.verdict.seen_triangles == 0) return;
     ++ratios;
     ratio_sum += double(cell.verdict.kept_triangles) / double(cell.verdict.seen_triangles);
@@ -155,11 +156,18 @@ Status verify_cells(const VerifyCellsOptions& options, const ModelReader& reader
   figures["false_hidden_nodes"] = totals.false_nodes;
   figures["false_hidden_pixels"] = totals.false_pixels;
   figures["overestimate_ratio_mean"] = ratio;
-  figures["false_hidden_pixels_at_cracks"] = totals.false_pixels - totals.missed_pixels;
+  const uint64_t crack_pixels = totals.false_pixels - totals.missed_pixels - totals.slit_pixels;
+  figures["false_hidden_pixels_at_cracks"] = crack_pixels;
+  figures["false_hidden_pixels_at_slits"] = totals.slit_pixels;
+  figures["missed_nodes"] = totals.missed_nodes;
+  figures["missed_pixels"] = totals.missed_pixels;
   fmt::print("{} cells ({} more are solid), {} pixels, {} of them rays aimed at hidden nodes; overestimate {:.3f}\n",
              totals.cells, totals.solid_cells, totals.pixels, totals.aimed_rays, ratio);
-  fmt::print("  hidden and yet seen: {} nodes, {} pixels; of these {} pixels through cracks between levels of detail\n",
-             totals.false_nodes, totals.false_pixels, totals.false_pixels - totals.missed_pixels);
+  fmt::print(
+      "  hidden and yet seen: {} nodes, {} pixels; of these {} pixels through cracks between levels of detail, {} "
+      "through\n"
+      "  slits that are narrower than 2 mm at full detail\n",
+      totals.false_nodes, totals.false_pixels, crack_pixels, totals.slit_pixels);
   if (!options.picture.empty() && worst != nullptr && worst->looks.worst_pixels > 0)
     PROMENADE_TRY(draw_worst(**meshes, *worst, options.picture));
   if (totals.missed_nodes > 0)

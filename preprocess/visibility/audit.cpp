@@ -5,11 +5,14 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "preprocess/visibility/eyes.h"
 
 namespace promenade {
 namespace {
+
+constexpr double kBesideM = 0.001;  // a ray that only itself gets through goes through a slit narrower than twice this
 
 /// A narrow picture: everything of the sphere about `at` is in it.
 RasterView aimed_view(const glm::dvec3& eye, const glm::dvec3& at, double radius_m, uint32_t side_px) {
@@ -155,14 +158,31 @@ class CellLooks {
     return Done{};
   }
 
-  Status explain(const RasterView& view, uint32_t x, uint32_t y, uint32_t item) {
-    if (looks_.truly_seen[item] != 0) return Done{};
+  /// Whether a ray ends on a hidden node when everything is drawn at full detail.
+  Result<bool> meets_hidden(const RasterView& view, uint32_t x, uint32_t y) {
     const Result<std::optional<size_t>> met = full_.first_on(view, x, y);
     if (!met) return met.error();
-    if (met->has_value() && hidden_[**met] == 0)
+    return met->has_value() ? hidden_[**met] != 0 : true;  // what no node of the front stands for explains nothing
+  }
+
+  Status explain(const RasterView& view, uint32_t x, uint32_t y, uint32_t item) {
+    if (looks_.truly_seen[item] != 0) return Done{};
+    const Result<bool> seen = meets_hidden(view, x, y);
+    if (!seen) return seen.error();
+    if (!*seen) {
       ++looks_.crack_pixels;
-    else
+      return Done{};
+    }
+    for (const auto& [right, up] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+      RasterView beside = view;
+      beside.eye += (view.right * double(right) + view.up * double(up)) * kBesideM;
+      const Result<bool> also = meets_hidden(beside, x, y);
+      if (!also) return also.error();
+      if (!*also) continue;
       looks_.truly_seen[item] = 1;
+      return Done{};
+    }
+    ++looks_.slit_pixels;
     return Done{};
   }
 
@@ -198,7 +218,9 @@ CellVerdict judge(const Model& model, std::span<const NodeId> front, std::span<c
     if (seen && !kept) ++verdict.false_hidden_nodes, verdict.false_hidden_pixels += looks.pixels_of[i];
     if (!kept && looks.truly_seen[i] != 0) ++verdict.missed_nodes;
   }
-  verdict.missed_pixels = verdict.false_hidden_pixels - std::min(looks.crack_pixels, verdict.false_hidden_pixels);
+  verdict.missed_pixels =
+      verdict.false_hidden_pixels - std::min(looks.crack_pixels + looks.slit_pixels, verdict.false_hidden_pixels);
+  verdict.slit_pixels = looks.slit_pixels;
   return verdict;
 }
 

@@ -34,7 +34,10 @@ struct Looks {
   /// Pixels that show a hidden node only because what is drawn has a crack there: at full detail, the same ray ends
   /// before, on a node that is kept.
   uint64_t crack_pixels = 0;
-  /// By item of the front: shown at a pixel that no crack explains.
+  /// Pixels whose ray gets to a hidden node at full detail, too, but none of four parallel rays a millimetre beside it
+  /// does: through a slit narrower than two millimetres, such as vertices rounded along an edge leave.
+  uint64_t slit_pixels = 0;
+  /// By item of the front: shown at a pixel that neither explains.
   std::vector<uint8_t> truly_seen;
 };
 
@@ -48,7 +51,8 @@ struct CellVerdict {
   uint64_t front_triangles = 0, kept_triangles = 0, seen_triangles = 0;
   uint64_t front_nodes = 0, kept_nodes = 0, seen_nodes = 0;
   uint64_t false_hidden_nodes = 0, false_hidden_pixels = 0;  ///< all
-  uint64_t missed_nodes = 0, missed_pixels = 0;              ///< of these, what no crack explains
+  uint64_t missed_nodes = 0, missed_pixels = 0;              ///< of these, what neither crack nor slit explains
+  uint64_t slit_pixels = 0;                                  ///< through slits
 };
 CellVerdict judge(const Model& model, std::span<const NodeId> front, std::span<const uint8_t> hidden,
                   const Looks& looks);
