@@ -63,7 +63,7 @@ Status EyeFinder::is_solid(const glm::dvec3& eye, bool& solid) {
   both.cull_back = false;
   constexpr int kUp = 4, kFacesButDown = 5;
   constexpr uint32_t kFacePixels = kProbePx * kProbePx;
-  constexpr double kTouchM = 0.0005;
+  constexpr double kTouchM = 1e-5;  // what is nearer would not be seen at all
   uint32_t backs = 0, backs_above = 0;
   float nearest_m = std::numeric_limits<float>::infinity();
   for (int face = 0; face < 6; ++face) {

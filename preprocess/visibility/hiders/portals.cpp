@@ -113,7 +113,7 @@ class CellWork {
       for (const LineBeam& beam : beams) {
         LineBeam through = beam;
         through.keep_touching(box);
-        if (!through.empty()) arrive(std::move(through), into);
+        if (!through.empty()) arrive(through, into);
       }
     }
   }
@@ -121,7 +121,7 @@ class CellWork {
   void arrive(LineBeam beam, Beams& into) const {
     for (const LineBeam& other : into)
       if (other.contains(beam)) return;
-    into.push_back(std::move(beam));
+    into.push_back(beam);
     if (into.size() > 2 * options_.most_beams) unite(into, options_.most_beams);
   }
 
