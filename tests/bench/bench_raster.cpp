@@ -264,7 +264,8 @@ void BM_ItemBuffers(benchmark::State& state) {
 
 class EmbreeCity {
  public:
-  explicit EmbreeCity(const City& c) : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
+  /// Not "threads=1": that would leave the whole process's TBB, ours included, with one thread. Rays are the caller's.
+  explicit EmbreeCity(const City& c) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
     for (uint32_t i = 0; i < c.meshes.size(); ++i) {
       const Mesh& m = c.meshes[i];
       RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
