@@ -35,7 +35,7 @@ struct PictureErrors::Row {
 
   Row(const RasterView& view, const DepthPicture& reference, const DepthPicture& drawn, const ClosestPointTree& surface,
       uint32_t y)
-      : view_(view), reference_(reference), drawn_(drawn), y_(y) {
+      : view_(view), reference_(reference), y_(y) {
     const size_t first = size_t(y) * view.width_px;
     uint32_t hint = kNoTriangle;
     for (uint32_t x = 0; x < view.width_px; ++x) {
@@ -82,7 +82,7 @@ struct PictureErrors::Row {
   }
 
   const RasterView& view_;
-  const DepthPicture &reference_, &drawn_;
+  const DepthPicture& reference_;
   uint32_t y_;
 };
 

@@ -22,7 +22,12 @@ const std::array<float, 256>& linear_table() {
   return table;
 }
 
-uint32_t root(float linear) { return static_cast<uint32_t>(std::sqrt(std::min(linear, 1.0F)) * 1023.0F + 0.5F); }
+/// To the nearest, of what is not negative: lround would be a call a texel.
+uint32_t rounded(float value) {
+  return static_cast<uint32_t>(value + 0.5F);  // NOLINT(bugprone-incorrect-roundings)
+}
+
+uint32_t root(float linear) { return rounded(std::sqrt(std::min(linear, 1.0F)) * 1023.0F); }
 
 const std::array<uint32_t, 256>& root_table() {
   static const std::array<uint32_t, 256> table = [] {
@@ -79,7 +84,7 @@ void MipTexture::store_level(uint32_t level, const std::vector<Texel>& from, uin
     for (uint32_t x = 0; x <= width; ++x, ++to) {
       const Texel& t = from[row + (x == width ? 0 : x)];
       texels_[to] = static_cast<int32_t>(root(t.color[0]) | root(t.color[1]) << 10 | root(t.color[2]) << 20);
-      if (!opacity_.empty()) opacity_[to] = static_cast<uint8_t>(t.opacity * 255.0F + 0.5F);
+      if (!opacity_.empty()) opacity_[to] = static_cast<uint8_t>(rounded(t.opacity * 255.0F));
     }
   }
 }

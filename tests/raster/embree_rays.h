@@ -154,8 +154,9 @@ inline void compare(const Scene& scene, const Rays& rays, const RasterView& view
       } else if (node != kNoTriangle && hit.node != kNoTriangle && same_depth(buffer.depth_m(x, y), hit.depth_m)) {
         ++c.ties;
       } else if (const Rays::Hit exact = shoot_exactly(scene, view, px, py);
-                 exact.node == node &&
-                 (exact.triangle == triangle || same_depth(buffer.depth_m(x, y), exact.depth_m))) {
+                 (exact.node == node && exact.triangle == triangle) ||
+                 (node != kNoTriangle && exact.node != kNoTriangle &&
+                  same_depth(buffer.depth_m(x, y), exact.depth_m))) {  // two in one place, and Embree on neither
         ++c.embree_wrong;
       } else {
         if (++c.wrong <= 3)
