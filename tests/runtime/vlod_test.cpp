@@ -66,6 +66,7 @@ TEST(Cursor, follows_a_random_walk_as_the_tree_would) {
 
 std::vector<CellId> ids_of(const std::vector<RangeCell>& range) {
   std::vector<CellId> ids;
+  ids.reserve(range.size());
   for (const RangeCell& cell : range) ids.push_back(cell.cell);
   return ids;
 }
