@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/random.h"
 #include "datasets/shapes.h"
+#include "geometry/random.h"
 
 namespace promenade {
 

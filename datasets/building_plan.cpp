@@ -7,8 +7,8 @@
 #include <cmath>
 #include <span>
 
-#include "geometry/random.h"
 #include "datasets/shapes.h"
+#include "geometry/random.h"
 
 namespace promenade {
 

@@ -6,8 +6,8 @@
 #include <array>
 
 #include "datasets/furniture_palette.h"
-#include "geometry/random.h"
 #include "datasets/shapes.h"
+#include "geometry/random.h"
 
 namespace promenade {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/random.h"
 #include "geometry/mesh.h"
+#include "geometry/random.h"
 
 namespace promenade {
 

@@ -62,7 +62,7 @@ TEST(PictureErrors, see_nothing_of_a_shift_along_the_ray_in_the_middle_but_do_at
 TEST(PictureErrors, count_holes_but_not_silhouettes) {
   PictureErrors errors;
   Picture reference, drawn;
-  drawn.depth_m[Picture::at(20, 20)] = kNothing;                                       // a hole
+  drawn.depth_m[Picture::at(20, 20)] = kNothing;                                           // a hole
   drawn.depth_m[Picture::at(40, 40)] = reference.depth_m[Picture::at(41, 40)] = kNothing;  // beside an outline
   drawn.depth_m[Picture::at(41, 40)] = kNothing;
   errors.add(straight_view(), reference.view(), drawn.view(), wall_at(10));
