@@ -14,6 +14,7 @@
 #include "preprocess/visibility/hider_chain.h"
 #include "preprocess/visibility/hiders/sampled.h"
 #include "preprocess/visibility/study_cells.h"
+#include "preprocess/visibility/visibility.h"
 
 namespace promenade {
 namespace {
@@ -58,21 +59,25 @@ std::string joined(const std::vector<std::string>& names) {
 
 Result<std::vector<ChainRow>> make_chains(const StudyArguments& arguments, const ModelReader& reader,
                                           JobMonitor& monitor) {
+  const Result<std::vector<std::string>> usual = chain_for_model({std::string(kAutoHiders)}, reader, monitor);
+  if (!usual) return usual.error();
   std::vector<std::string> lists = arguments.chains;
   if (lists.empty()) {
     lists.push_back("none");
-    for (const std::string& name : default_hiders()) lists.push_back(name);
-    if (default_hiders().size() > 1) lists.push_back(joined(default_hiders()));
+    lists.insert(lists.end(), usual->begin(), usual->end());
+    if (usual->size() > 1) lists.push_back(joined(*usual));
   }
   std::vector<ChainRow> rows;
+  rows.reserve(lists.size());
   for (const std::string& list : lists) {
-    const Result<std::vector<std::string>> names = parse_hiders(list);
+    Result<std::vector<std::string>> names = parse_hiders(list);
     if (!names) return names.error();
+    if (list == kAutoHiders) names = *usual;
     const WallClock clock;
     Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*names, reader, HiderBuildOptions(), monitor);
     if (!hiders) return hiders.error();
     ChainRow row;
-    row.name = list, row.hiders = std::move(*hiders), row.is_default = *names == default_hiders();
+    row.name = list, row.hiders = std::move(*hiders), row.is_default = *names == *usual;
     row.prepare_s = clock.seconds();
     for (const auto& hider : row.hiders) row.conservative &= hider->is_conservative();
     rows.push_back(std::move(row));
@@ -292,8 +297,8 @@ Command add_study_hiders(CLI::App& study) {
   CLI::App* app = study.add_subcommand("hiders", "What each hider and chain of hiders costs and is worth");
   app->add_option("MODEL", arguments->model, "A directory that build made")->required();
   app->add_option("--hiders", arguments->chains,
-                  fmt::format("A chain, names separated by commas, of: {}; may be given several times. Default: each "
-                              "hider of the default chain, and the chain",
+                  fmt::format("A chain, names separated by commas, of: {}; or auto; may be given several times. "
+                              "Default: each hider of the chain that a build of this model uses, and the chain",
                               hider_names()))
       ->type_name("LIST")
       ->take_all();
