@@ -152,10 +152,13 @@ TEST_F(SmallCity, study_policies_compares_them_on_one_path) {
 TEST_F(SmallCity, flight_becomes_a_video_or_says_what_is_missing) {
   const std::string fly = "fly city.prom --path city_walk.json --seconds 0.3 --size 161x91 --renderer cpu --video ";
   const ProgramRun run = run_program(fly + "walk.mp4", folder());
-  if (run.err.find("no ffmpeg") != std::string::npos) GTEST_SKIP() << "no ffmpeg here";
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_GT(fs::file_size(folder() / "walk.mp4"), 1000U);
-  EXPECT_NE(run_program(fly + "walk.nothing", folder()).exit_code, 0) << "no such kind of video";
+  EXPECT_EQ(run_program(fly + "walk.nothing", folder()).exit_code, 1) << "no such kind of video";
+  expect_one_clear_line(run_program(fly + "none.mp4", folder(), "PATH=/nowhere"), "\"ffmpeg\"");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder()))
+    EXPECT_TRUE(entry.path().stem() == "walk" || !entry.path().string().ends_with(".mp4")) << entry.path();
+  EXPECT_FALSE(fs::exists(folder() / "walk.nothing"));
 }
 
 TEST_F(SmallCity, looks_the_same_from_the_model_at_full_detail_and_from_the_source) {
