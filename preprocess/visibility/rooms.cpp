@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "layout/cell_faces.h"
 #include "preprocess/visibility/leaf_meshes.h"
 #include "preprocess/visibility/wall_mask.h"
 #include "preprocess/visibility/wall_planes.h"
@@ -94,6 +95,7 @@ Status RoomFinder::divide() {
     plan.set_cell(leaf, plan.box_of(leaf));
   std::vector<uint32_t> leaves;
   rooms_.space = tables_of(plan, FrontBound(), leaves);
+  PROMENADE_TRY(find_faces(rooms_.space));
   work_.resize(rooms_.space.faces.size());
   return Done{};
 }
