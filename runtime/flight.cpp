@@ -141,6 +141,7 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
   totals.toggles_per_frame = mean_of(rows, [](const FrameRow& r) { return r.toggles; });
   totals.nodes_fading_mean = mean_of(rows, [](const FrameRow& r) { return r.nodes_fading; });
   totals.frame_noise_percent = noise_of(rows);
+  totals.teleports = teleports_of(rows);
   add_popping(rows, totals);
   return totals;
 }

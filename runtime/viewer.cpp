@@ -15,9 +15,6 @@
 #include "codec/image_codec.h"
 #include "geometry/path.h"
 #include "layout/file_io.h"
-#include "runtime/calibration.h"
-#include "runtime/cpu_renderer.h"
-#include "runtime/gl_renderer.h"
 #include "runtime/gl_window.h"
 #include "runtime/motion.h"
 #include "runtime/panels.h"
@@ -26,6 +23,7 @@
 #include "runtime/viewer_panel.h"
 #include "runtime/viewer_settings.h"
 #include "runtime/walk.h"
+#include "runtime/window_renderer.h"
 
 namespace promenade {
 namespace {
@@ -65,41 +63,6 @@ DBox box_of(const Model& model) {
     box.add(glm::dvec3(b.max) + model.manifest.origin);
   }
   return box;
-}
-
-/// Who draws into a window.
-struct WindowRenderer {
-  std::unique_ptr<Renderer> renderer;
-  GlRenderer* gl = nullptr;  ///< the same, if it draws with the window's OpenGL
-};
-
-/// Whether the CPU's renderer draws frames faster than the window's OpenGL: as measured here once.
-bool cpu_is_faster(GlWindow& window) {
-  const std::filesystem::path file = calibration_file("window");
-  const std::string name = window.description();
-  const Result<Calibration> known = calibrated(file, calibration_machine(name), [&]() -> Result<Calibration> {
-    const Result<std::unique_ptr<GlRenderer>> gl = create_gl_renderer(window);
-    if (!gl) return gl.error();
-    return calibrate(**gl, name);
-  });
-  const std::string why = known ? reason_of(*known, file) : "auto: no OpenGL: " + known.error().message;
-  const bool cpu = !known || known->cpu_is_faster();
-  fmt::print(stderr, "renderer: {} ({})\n", cpu ? "cpu: visibility buffer" : name, why);
-  return cpu;
-}
-
-Result<WindowRenderer> make_renderer(RendererKind kind, GlWindow& window) {
-  const bool on_cpu = kind == RendererKind::cpu || (kind == RendererKind::automatic && cpu_is_faster(window));
-  WindowRenderer drawing;
-  if (on_cpu) {
-    drawing.renderer = create_cpu_renderer();
-    return drawing;
-  }
-  Result<std::unique_ptr<GlRenderer>> renderer = create_gl_renderer(window);
-  if (!renderer) return renderer.error();
-  drawing.gl = renderer->get();
-  drawing.renderer = std::move(*renderer);
-  return drawing;
 }
 
 class Viewer {
@@ -441,7 +404,7 @@ void use_settings(const ViewerSettings& settings, const ViewerOptions& options, 
 Result<ViewerReport> view(const ModelSource& source, const ViewerOptions& options) {
   Result<std::unique_ptr<GlWindow>> window = create_gl_window(options.title, options.width_px, options.height_px);
   if (!window) return window.error();
-  const Result<WindowRenderer> drawing = make_renderer(options.renderer, **window);
+  const Result<WindowRenderer> drawing = make_window_renderer(options.renderer, **window);
   if (!drawing) return drawing.error();
   SessionOptions session_options = options.session;
   ViewerSettings settings = read_viewer_settings(options.settings_file, options.model_name);

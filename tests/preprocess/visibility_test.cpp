@@ -342,6 +342,13 @@ TEST_F(BuildWithCells, leaves_a_model_whose_cells_open) {
   EXPECT_TRUE(verify_checksums(*reader, monitor));
 }
 
+TEST_F(BuildWithCells, halves_from_which_the_same_is_seen_are_one_cell) {
+  options.sources = {folder.write("plate.obj", obj_text(test::flat_grid(2, 9)))};
+  const Result<BuildFigures> figures = build_model(options, monitor);
+  ASSERT_TRUE(figures) << figures.error().message;
+  EXPECT_EQ(figures->visibility.cells, 1U);
+}
+
 TEST_F(BuildWithCells, goes_on_after_an_interruption_and_gives_the_same_bytes) {
   ASSERT_TRUE(build_model(options, monitor));
   const auto due = bytes_of(options.model);
