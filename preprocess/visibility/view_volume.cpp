@@ -29,7 +29,7 @@ class Surveyor {
   Surveyor(const ModelReader& reader, const VoxelGrid& grid, JobMonitor& monitor)
       : reader_(reader), grid_(grid), monitor_(monitor), kinds_(grid.size(), Kind::unknown), votes_(grid.size(), 0) {
     const ModelTables& tables = reader.model().tables;
-    for (uint32_t i = 0; i < tables.nodes.size(); ++i)
+    for (uint32_t i = 0; i < reader.model().first_moving_node(); ++i)  // what moves fills no space for good
       if (tables.nodes[i].child_count == 0) leaves_.push_back(NodeId{i});
   }
 

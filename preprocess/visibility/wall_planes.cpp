@@ -188,7 +188,7 @@ Result<std::vector<AxialPatch>> find_axial_patches(const ModelReader& reader, Jo
   const ModelTables& tables = reader.model().tables;
   Box box;
   std::vector<NodeId> leaves;
-  for (uint32_t i = 0; i < tables.nodes.size(); ++i) {
+  for (uint32_t i = 0; i < reader.model().first_moving_node(); ++i) {
     box.add(tables.nodes[i].box);
     if (tables.nodes[i].child_count == 0) leaves.push_back(NodeId{i});
   }
