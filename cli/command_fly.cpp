@@ -75,6 +75,9 @@ void print_totals(const FlyArguments& arguments, const FlightReport& report) {
         "{:.0f} and {:.0f}\n",
         *t.popped_share_mean * 1e6, t.popped_share_p99.value_or(0) * 1e6, t.popped_area_share_mean.value_or(0) * 1e6,
         t.popped_area_share_p99.value_or(0) * 1e6);
+  if (const Teleports& jumps = t.teleports; jumps.count > 0)
+    fmt::print("  {} teleports: all that was chosen is there after {:.0f} ms, {:.0f} at most; {} never got there\n",
+               jumps.count, jumps.full_ms_mean, jumps.full_ms_max, jumps.unfinished);
   if (t.cells_crossed > 0)
     fmt::print("  {} cells crossed, {:.0f} nodes and {:.0f} bytes a step, {} frames before a cell's vLOD was read\n",
                t.cells_crossed, t.delta_nodes_mean, t.delta_bytes_mean, t.vlods_missing);

@@ -8,6 +8,10 @@ void add_flight_options(CLI::App& app, FlightSetting& setting) {
   app.add_option("--seconds", setting.seconds, "Fly only the first seconds of the path (0: all)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_option("--teleport-every", setting.stay_s,
+                 "Jump along the whole path and stay so many seconds at each place, for --seconds in all (0: travel)")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_flag("--settle", setting.settle, "Load what the first view asks for before the first frame");
   app.add_flag("--popping", setting.popping,
                "Measure how much of each picture popped: changed beyond what the camera's motion explains (slow)");
@@ -19,8 +23,10 @@ void add_flight_options(CLI::App& app, FlightSetting& setting) {
 }
 
 Result<OpenFlight> open_flight(const FlightSetting& setting) {
-  Result<CameraPath> path = read_path(setting.path_file, setting.seconds);
+  const bool jumps = setting.stay_s > 0;
+  Result<CameraPath> path = read_path(setting.path_file, jumps ? 0 : setting.seconds);
   if (!path) return path.error();
+  if (jumps) *path = stops_along(*path, setting.stay_s, setting.seconds);
   Result<ModelReader> reader = ModelReader::open(setting.model);
   if (!reader) return reader.error();
   Result<OffscreenRenderer> offscreen = make_offscreen_renderer(setting.view);

@@ -18,11 +18,13 @@ constexpr Policy kDefaultFlightPolicy = Policy::vlod_time_slices;
 struct FlightSetting {
   std::filesystem::path model, path_file;
   double seconds = 0;  ///< of the path; 0: all
+  double stay_s = 0;   ///< at places along the whole path, with jumps between; 0: travel
   bool settle = false, popping = false;
   ViewOptions view;
 };
 
-/// MODEL, --path, --seconds, --settle, --popping, and those of the camera, the policies and the renderer.
+/// MODEL, --path, --seconds, --teleport-every, --settle, --popping, and those of the camera, the policies and the
+/// renderer.
 void add_flight_options(CLI::App& app, FlightSetting& setting);
 
 /// A setting whose model, path and renderer are open.

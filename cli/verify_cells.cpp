@@ -143,9 +143,16 @@ Status verify_cells(const VerifyCellsOptions& options, const ModelReader& reader
   if (monitor.cancelled()) return Error{"interrupted"};
   Totals totals;
   const CheckedCell* worst = nullptr;
+  const glm::dvec3& origin = reader.model().manifest.origin;
+  figures["missed"] = Json::array();
   for (const std::optional<Result<CheckedCell>>& cell : checked) {
     if (!cell->ok()) return cell->error();
     totals.add(**cell);
+    for (const MissedRay& ray : (*cell)->looks.missed) {
+      const glm::dvec3 eye = ray.eye + origin, at = ray.at + origin;
+      figures["missed"].push_back(
+          {{"node", index_of(ray.node)}, {"eye", {eye.x, eye.y, eye.z}}, {"at", {at.x, at.y, at.z}}});
+    }
     if (worst == nullptr || (*cell)->looks.worst_pixels > worst->looks.worst_pixels) worst = &**cell;
   }
   const double ratio = totals.ratios == 0 ? 0 : totals.ratio_sum / double(totals.ratios);
@@ -170,6 +177,8 @@ Status verify_cells(const VerifyCellsOptions& options, const ModelReader& reader
       totals.false_nodes, totals.false_pixels, crack_pixels, totals.slit_pixels);
   if (!options.picture.empty() && worst != nullptr && worst->looks.worst_pixels > 0)
     PROMENADE_TRY(draw_worst(**meshes, *worst, options.picture));
+  for (const Json& ray : figures["missed"])
+    fmt::print("  hidden node {} is seen from {} at {}\n", ray["node"].dump(), ray["eye"].dump(), ray["at"].dump());
   if (totals.missed_nodes > 0)
     return Error{fmt::format("{}: {} hidden nodes can be seen at full detail, too ({} pixels)", options.model.string(),
                              totals.missed_nodes, totals.missed_pixels)};

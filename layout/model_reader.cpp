@@ -81,6 +81,7 @@ struct ModelReader::State {
   Model model;
   std::vector<RandomAccessFile> files;  // as in the manifest, without the tables
   std::optional<CellsReader> cells;
+  std::optional<FarReader> far;
 
   std::string name_of_segment(uint32_t segment) const {
     const SegmentRecord& record = model.tables.segments[segment];
@@ -98,6 +99,15 @@ struct ModelReader::State {
                                  opened->size(), kManifestName, file.bytes)};
       files.push_back(std::move(*opened));
     }
+    return Done{};
+  }
+
+  Status open_far(uint64_t tables_checksum, FileSystem& file_system) {
+    if (!names_file(model.manifest, kFarName)) return Done{};
+    const CellsOwner owner{tables_checksum, static_cast<uint32_t>(model.tables.nodes.size())};
+    Result<FarReader> opened = FarReader::open(folder / kFarName, owner, file_system);
+    if (!opened) return opened.error();
+    far.emplace(std::move(*opened));
     return Done{};
   }
 
@@ -134,12 +144,15 @@ Result<ModelReader> ModelReader::open(const fs::path& path, FileSystem& files) {
     return Error{fmt::format("{}: {}", (*folder / kTablesName).string(), defect)};
   PROMENADE_TRY(state->open_files(files));
   PROMENADE_TRY(state->open_cells(stored->tables_checksum, files));
+  PROMENADE_TRY(state->open_far(stored->tables_checksum, files));
   return ModelReader(std::move(state));
 }
 
 const Model& ModelReader::model() const { return state_->model; }
 
 const CellsReader* ModelReader::cells() const { return state_->cells ? &*state_->cells : nullptr; }
+
+const FarReader* ModelReader::far() const { return state_->far ? &*state_->far : nullptr; }
 
 Status ModelReader::read_piece(uint32_t segment, uint64_t offset, std::span<std::byte> into) const {
   const SegmentRecord& record = state_->model.tables.segments[segment];
@@ -207,6 +220,12 @@ Status verify_checksums(const ModelReader& reader, JobMonitor& monitor) {
     if (monitor.cancelled()) return Error{"interrupted"};
     if (const Result<Vlod> vlod = reader.cells()->read_vlod(CellId{i}); !vlod) return vlod.error();
     monitor.progress("cells", i + 1, cells);
+  }
+  const uint32_t faces = reader.far() != nullptr ? static_cast<uint32_t>(reader.far()->tables().faces.size()) : 0;
+  for (uint32_t i = 0; i < faces; ++i) {
+    if (monitor.cancelled()) return Error{"interrupted"};
+    if (const Result<std::vector<std::byte>> bytes = reader.far()->read_face(i); !bytes) return bytes.error();
+    monitor.progress("far pictures", i + 1, faces);
   }
   return Done{};
 }

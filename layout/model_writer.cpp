@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 6> kOwnNames = {kManifestName, kTablesName, kGeometryName,
-                                                  kTexturesName, kCellsName,  kObjectsName};
+constexpr std::array<const char*, 7> kOwnNames = {kManifestName, kTablesName, kGeometryName, kTexturesName,
+                                                  kCellsName,    kFarName,    kObjectsName};
 
 bool exists(const fs::path& path, FileSystem& files) {
   FileInfo info;
@@ -242,6 +242,16 @@ Status ModelWriter::add_cells(const CellTables& cells, const VlodSource& vlod_of
   if (!bytes) return bytes.error();
   std::vector<ModelManifest::File>& names = s.staged.manifest.files;
   names.insert(names.end() - 1, {kCellsName, *bytes});
+  return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
+}
+
+Status ModelWriter::add_far(const FarTables& tables, const FarCellSource& next_cells) {
+  State& s = *state_;
+  const CellsOwner owner{s.staged.tables_checksum, static_cast<uint32_t>(s.staged_tables.nodes.size())};
+  const Result<uint64_t> bytes = write_far(s.partial / kFarName, tables, owner, next_cells, *s.files);
+  if (!bytes) return bytes.error();
+  std::vector<ModelManifest::File>& names = s.staged.manifest.files;
+  names.insert(names.end() - 1, {kFarName, *bytes});
   return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
 }
 

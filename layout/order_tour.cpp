@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "layout/order_columns.h"
+#include "layout/order_rivals.h"
 
 namespace promenade {
 namespace {
@@ -286,6 +287,18 @@ class Improver {
   std::vector<uint8_t> awake_;
 };
 
+/// Kinds in the order of their first columns, the empty column first.
+std::vector<uint32_t> tour_along(const ColumnOrder& order, std::span<const uint32_t> first_columns) {
+  std::vector<uint32_t> place(order.size());
+  for (uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+  std::vector<uint32_t> tour(first_columns.size());
+  std::iota(tour.begin(), tour.end(), 0U);
+  std::sort(tour.begin(), tour.end(),
+            [&](uint32_t a, uint32_t b) { return place[first_columns[a]] < place[first_columns[b]]; });
+  tour.insert(tour.begin(), static_cast<uint32_t>(first_columns.size()));
+  return tour;
+}
+
 /// The kinds in order, from behind the empty column on.
 std::vector<uint32_t> kinds_of(const Tour& tour) {
   std::vector<uint32_t> kinds = tour.cities();
@@ -296,6 +309,13 @@ std::vector<uint32_t> kinds_of(const Tour& tour) {
 }
 
 }  // namespace
+
+TourOptions published_tour() {
+  TourOptions options;
+  options.seed = TourSeed::greedy;
+  options.longest_turn = 25000;
+  return options;
+}
 
 Result<ColumnOrder> tour_order(const Incidence& matrix, const TourOptions& options, const NearSource& near_source,
                                TourFigures* figures) {
@@ -309,7 +329,10 @@ Result<ColumnOrder> tour_order(const Incidence& matrix, const TourOptions& optio
   if (!near) return near.error();
   f.neighbours_s = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  Tour tour(greedy_tour(matrix, distinct.first, cities, *near, options.neighbours), options.longest_turn);
+  Tour tour(options.seed == TourSeed::bisection
+                ? tour_along(bisection_order(matrix), distinct.first)
+                : greedy_tour(matrix, distinct.first, cities, *near, options.neighbours),
+            options.longest_turn);
   f.seed_s = seconds_since(start);
   f.runs_of_seed = count_runs(matrix, spread(distinct, kinds_of(tour)));
   start = std::chrono::steady_clock::now();

@@ -147,6 +147,7 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
   totals.frame_noise_percent = noise_of(rows, &FrameRow::draw_ms, &FrameRow::redraw_ms);
   totals.frame_cpu_noise_percent = noise_of(rows, &FrameRow::draw_cpu_ms, &FrameRow::redraw_cpu_ms);
   totals.draw_cpu_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.draw_cpu_ms; });
+  totals.teleports = teleports_of(rows);
   add_popping(rows, &FrameRow::popped_share, totals.popped_share_mean, totals.popped_share_p99);
   add_popping(rows, &FrameRow::popped_area_share, totals.popped_area_share_mean, totals.popped_area_share_p99);
   return totals;

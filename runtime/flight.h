@@ -10,6 +10,7 @@
 #include "geometry/path.h"
 #include "runtime/popping.h"
 #include "runtime/session.h"
+#include "runtime/teleports.h"
 
 namespace promenade {
 
@@ -53,7 +54,8 @@ struct FlightTotals {
   double draw_cpu_ms_mean = 0;
   std::optional<double> popped_share_mean, popped_share_p99;            ///< nullopt: not measured
   std::optional<double> popped_area_share_mean, popped_area_share_p99;  ///< the same by areas of 8 x 8 pixels
-  uint64_t cells_crossed = 0;                                           ///< 0 without cells
+  Teleports teleports;
+  uint64_t cells_crossed = 0;   ///< 0 without cells
   double delta_bytes_mean = 0;  ///< read for a step into another cell; 0 without cells
   double delta_nodes_mean = 0;  ///< that came or went with a step
   uint64_t vlods_missing = 0;   ///< frames that the tree alone served inside a cell: its vLOD was not read yet

@@ -94,7 +94,7 @@ struct Session::State {
   /// Of drawing: what the loader does beside it is not part of it.
   double cpu_ms() const { return process_cpu_ms() - (thread ? thread->cpu_ms() : 0); }
   void choose(const Camera& camera, const SelectView& seen, FrameRow& row);
-  void look_back(const Camera& camera, double dt_s, SelectView& seen);
+  void look_back(const Camera& camera, double dt_s, SelectView& seen, FrameRow& row);
   void move_to(const Camera& camera, SelectView& seen, FrameRow& row);
   void use_vlod(CellId cell, FrameRow& row);
   void foresee(CellId cell, SelectView& seen, FrameRow& row);
@@ -176,8 +176,9 @@ Result<Session::Redraw> Session::State::timed_draw() {
 }
 
 /// How the eye has moved since the last frame.
-void Session::State::look_back(const Camera& camera, double dt_s, SelectView& seen) {
-  if (dt_s > 0 && last_pose) {
+void Session::State::look_back(const Camera& camera, double dt_s, SelectView& seen, FrameRow& row) {
+  if (last_pose) row.moved_m = glm::distance(camera.pose.eye, last_pose->eye);
+  if (dt_s > 0 && last_pose && row.moved_m <= kFastestFlightMPerS * dt_s) {
     seen.velocity_m_per_s = (camera.pose.eye - last_pose->eye) / dt_s;
     const double cosine = glm::dot(basis_of(camera.pose).forward, basis_of(*last_pose).forward);
     seen.turn_rad_per_s = std::acos(std::clamp(cosine, -1.0, 1.0)) / dt_s;
@@ -266,7 +267,7 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   const Clock::time_point selecting = Clock::now();
   SelectView view;
   view.camera = camera;
-  s.look_back(camera, dt_s, view);
+  s.look_back(camera, dt_s, view, row);
   s.move_to(camera, view, row);
   const SelectOptions& select_options = s.options.select;
   view.importance = s.importance;

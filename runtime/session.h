@@ -41,6 +41,9 @@ struct SessionOptions {
   ClassWeights class_weights;  ///< how much what the source calls so matters; by default all alike
 };
 
+/// An eye that moves faster has jumped: it has no speed that would tell where it goes next. Faster than airliners.
+constexpr double kFastestFlightMPerS = 300;
+
 /// What one frame did. Names as in `fly --json`.
 struct FrameRow {
   uint32_t frame = 0;
@@ -51,6 +54,7 @@ struct FrameRow {
   /// What frame_ms was expected to be when the front had been chosen and drawing began.
   double estimated_ms = 0, estimated_without_feedback_ms = 0;
   double share_ms = 0;  ///< shareTime of the roots
+  double moved_m = 0;   ///< since the frame before
   uint64_t triangles_drawn = 0, nodes_drawn = 0, nodes_missing = 0;
   uint64_t toggles = 0, toggles_up = 0, toggles_down = 0;
   uint64_t toggles_loading = 0;  ///< of those up: what came was not there a frame before

@@ -149,6 +149,30 @@ TEST_F(SmallCity, study_policies_compares_them_on_one_path) {
   EXPECT_EQ(run_program("study policies city.prom --path city_walk.json --policies best", folder()).exit_code, 2);
 }
 
+TEST_F(SmallCity, study_hiders_compares_chains_by_size_of_cell) {
+  const ProgramRun run = run_program(
+      "study hiders city.prom --cells 2 --views 12 --side 2,6 --hiders none --hiders horizon --picture plan.png "
+      "--report hiders.html --json hiders.json",
+      folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "hiders.json");
+  ASSERT_EQ(figures["studies"].size(), 2U) << "a side each";
+  EXPECT_EQ(figures["studies"][1]["side_m"], 6);
+  for (const json& study : figures["studies"]) {
+    ASSERT_EQ(study["chains"].size(), 2U);
+    EXPECT_EQ(study["cells"], 2) << "sums start anew with each side";
+    EXPECT_EQ(study["chains"][0]["hidden_share"], 0) << "no hider hides nothing";
+    EXPECT_GT(study["chains"][1]["hidden_share"], 0);
+    EXPECT_LE(study["chains"][1]["overestimate_ratio_mean"], study["chains"][0]["overestimate_ratio_mean"]);
+    EXPECT_GE(study["chains"][1]["overestimate_ratio_mean"], 1);
+  }
+  EXPECT_EQ(figures["chains"], figures["studies"][0]["chains"]) << "the contract's names tell of the first";
+  EXPECT_TRUE(fs::exists(folder() / "plan.png"));
+  const std::string page = read_text(folder() / "hiders.html");
+  for (const char* text : {"</html>", "Cost by size of cell, city", "Quality by size of cell, city", ">6 m</text>"})
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+}
+
 TEST_F(SmallCity, flight_becomes_a_video_or_says_what_is_missing) {
   const std::string fly = "fly city.prom --path city_walk.json --seconds 0.3 --size 161x91 --renderer cpu --video ";
   const ProgramRun run = run_program(fly + "walk.mp4", folder());

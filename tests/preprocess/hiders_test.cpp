@@ -244,6 +244,29 @@ uint64_t eyes_in(const SituationModel& model, const Box& cell) {
   return looks.ok() ? looks->eyes : 0;
 }
 
+TEST(Audit, tells_slits_of_rounded_vertices_from_what_is_truly_seen) {
+  const auto verdict = [](float wide) {
+    const SituationModel model({{"left", wall(8, -30, 8.1F, -wide / 2)},
+                                {"right", wall(8, wide / 2, 8.1F, 30)},
+                                {"thing", block({12, -20, 0}, {13, 20, 9})}});
+    const Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(model.reader(), 1U << 28U);
+    EXPECT_TRUE(meshes.ok());
+    const std::vector<NodeId> front = model.front();
+    const std::vector<uint8_t> hidden = {0, 0, 1};
+    LookOptions options;
+    options.aimed_views = 200;
+    const Result<Looks> looks = look_from_cell(**meshes, middle_cell, front, hidden, options);
+    EXPECT_TRUE(looks.ok());
+    EXPECT_EQ(looks->missed.size(), judge(model.reader().model(), front, hidden, *looks).missed_nodes);
+    return judge(model.reader().model(), front, hidden, *looks);
+  };
+  const CellVerdict slit = verdict(0.0015F), hole = verdict(0.006F);
+  EXPECT_GT(slit.slit_pixels, 0U);
+  EXPECT_EQ(slit.missed_nodes, 0U);
+  EXPECT_GT(hole.false_hidden_pixels, 0U);
+  EXPECT_EQ(hole.missed_nodes, 1U);
+}
+
 TEST(Audit, refuses_eyes_in_a_tower_on_a_podium) {
   // The podium's roof goes on inside the tower and shows its front there.
   const SituationModel model({{"ground", flat_ground()},
