@@ -4,7 +4,7 @@
 #include "codec/frame.h"
 #include "layout/objects_codec.h"
 #include "tests/layout/model_fixtures.h"
-#include "tests/layout/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
 namespace {
