@@ -156,7 +156,7 @@ Result<std::vector<Box>> work_tile(const ModelReader& model, const ColumnGrid& g
   around.max.y = static_cast<float>(grid.low.y + grid.ny * grid.column_m);
   const ModelTables& tables = model.model().tables;
   ColumnBuilder builder(grid);
-  for (uint32_t i = 0; i < tables.nodes.size(); ++i) {
+  for (uint32_t i = 0; i < model.model().first_moving_node(); ++i) {  // what moves hides nothing
     if (tables.nodes[i].child_count != 0 || !tables.nodes[i].box.overlaps(around)) continue;
     if (monitor.cancelled()) return Error{"interrupted"};
     const Result<Mesh> mesh = model.read_mesh(NodeId{i});
