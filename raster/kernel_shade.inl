@@ -151,11 +151,12 @@ float number_of_surface(SpanTriangles& t, const Surface* surface) {
 
 /// Colours and normals of a triangle whose corners differ; `color` holds the material's.
 void fetch_corners(const Shading& s, const Item& item, const uint32_t* index, SpanTriangles& t, int32_t k) {
+  const float material[3] = {t.color[0][0][k], t.color[0][1][k], t.color[0][2][k]};
   for (int v = 0; v < 3; ++v) {
     const uint64_t at = index[v];
     for (int c = 0; c < 3; ++c) {
-      t.color[v][c][k] = t.color[0][c][k];
-      if (item.colors != nullptr) t.color[v][c][k] *= s.linear_of_srgb[item.colors[at] >> (8 * c) & 255U];
+      const float own = item.colors == nullptr ? 1.0F : s.linear_of_srgb[item.colors[at] >> (8 * c) & 255U];
+      t.color[v][c][k] = material[c] * own;
     }
     if (item.normals == nullptr) continue;
     const float* n = item.normals + 3 * at;
