@@ -218,16 +218,21 @@ PROMENADE_INLINE F opacity_lanes(const MaskTriangle& m, uint32_t lanes, F x, F y
   if (s.wrap_v == 0) top = select(top < none, last_y, top), bottom = select(bottom > last_y, none, bottom);
   left = max(min(left, last_x), none);
   const I first = Table16(t.level_offset)[level] + left, stride = width + splat(1);
-  int32_t at[2][kLanes];
+  int32_t at[2][kLanes], pairs[2][kLanes] = {};
   store(at[0], first + max(min(top, last_y), none) * stride);
   store(at[1], first + max(min(bottom, last_y), none) * stride);
-  float texels[4][kLanes] = {};
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
-    for (int k = 0; k < 4; ++k) texels[k][i] = static_cast<float>(t.opacity[at[k / 2][i] + k % 2]);
+    for (int k = 0; k < 2; ++k) {
+      const uint8_t* pair = t.opacity + at[k][i];
+      pairs[k][i] = pair[0] | pair[1] << 8;
+    }
   }
-  const F upper = load(texels[0]) + (load(texels[1]) - load(texels[0])) * sx;
-  const F lower = load(texels[2]) + (load(texels[3]) - load(texels[2])) * sx;
+  const I low = splat(255), above = load(pairs[0]), below = load(pairs[1]);
+  const F texels[4] = {to_float(above & low), to_float(shift_right<8>(above)), to_float(below & low),
+                       to_float(shift_right<8>(below))};
+  const F upper = texels[0] + (texels[1] - texels[0]) * sx;
+  const F lower = texels[2] + (texels[3] - texels[2]) * sx;
   return splat(m.opacity) * (upper + (lower - upper) * sy) * splat(1.0F / 255);
 }
 
