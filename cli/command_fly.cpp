@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "cli/command.h"
@@ -63,20 +64,26 @@ void print_totals(const FlyArguments& arguments, const FlightReport& report) {
              t.frame_ms_p99, t.frame_ms_stddev);
   const EstimateError error = estimate_error(report, true);
   fmt::print("  estimates {:+.1f} % off, deviation {:.1f} %", error.mean_percent, error.stddev_percent);
-  if (t.frame_noise_percent > 0) fmt::print("; one picture drawn twice deviates by {:.1f} %", t.frame_noise_percent);
+  if (t.frame_noise_percent > 0)
+    fmt::print("; one picture drawn twice deviates by {:.1f} % ({:.1f} % of processor time)", t.frame_noise_percent,
+               t.frame_cpu_noise_percent);
   fmt::print("\n  {:.0f} triangles and {:.1f} nodes a frame, {:.3f} missing, {:.4f} toggles a frame\n",
              t.triangles_drawn_mean, t.nodes_drawn_mean, t.nodes_missing_mean, t.toggles_per_frame);
   if (t.popped_share_mean)
-    fmt::print("  popped: {:.0f} pixels of a million a frame, {:.0f} at the 99th percentile\n",
-               *t.popped_share_mean * 1e6, t.popped_share_p99.value_or(0) * 1e6);
+    fmt::print(
+        "  popped: {:.0f} pixels of a million a frame, {:.0f} at the 99th percentile; by areas, as eyes see fades, "
+        "{:.0f} and {:.0f}\n",
+        *t.popped_share_mean * 1e6, t.popped_share_p99.value_or(0) * 1e6, t.popped_area_share_mean.value_or(0) * 1e6,
+        t.popped_area_share_p99.value_or(0) * 1e6);
   if (const Teleports& jumps = t.teleports; jumps.count > 0)
     fmt::print("  {} teleports: all that was chosen is there after {:.0f} ms, {:.0f} at most; {} never got there\n",
                jumps.count, jumps.full_ms_mean, jumps.full_ms_max, jumps.unfinished);
   if (t.cells_crossed > 0)
     fmt::print("  {} cells crossed, {:.0f} nodes and {:.0f} bytes a step, {} frames before a cell's vLOD was read\n",
                t.cells_crossed, t.delta_nodes_mean, t.delta_bytes_mean, t.vlods_missing);
-  fmt::print("  {} of {} resident at most, {} read in {} reads\n", human_bytes(t.resident_bytes_peak),
-             human_bytes(t.memory_bytes), human_bytes(t.bytes_read), t.reads);
+  fmt::print("  {} of {} resident at most, {} read in {} reads, {:.0f} % of it drawn before it left\n",
+             human_bytes(t.resident_bytes_peak), human_bytes(t.memory_bytes), human_bytes(t.bytes_read), t.reads,
+             100 * double(t.bytes_read_useful) / std::max(1.0, double(t.bytes_read)));
   if (!arguments.report_file.empty()) fmt::print("  report: {}\n", arguments.report_file.string());
   if (!arguments.frames_folder.empty()) fmt::print("  pictures: {}\n", arguments.frames_folder.string());
 }

@@ -50,10 +50,10 @@ Result<FlightReport> fly_with(Policy policy, const FlightSetting& setting, const
 
 void print_table(const std::vector<PolicyFlight>& flights) {
   fmt::print("{:18} {:>7} {:>7} {:>6} {:>9} {:>7} {:>8} {:>8} {:>8} {:>9}\n", "policy", "p50 ms", "p99 ms", "dev",
-             "triangles", "nodes", "missing", "toggles", "est. off", "popped/M");
+             "triangles", "nodes", "missing", "toggles", "est. off", "areas/M");
   for (const PolicyFlight& flight : flights) {
     const FlightTotals& t = flight.report.totals;
-    const std::string popped = t.popped_share_mean ? fmt::format("{:.0f}", *t.popped_share_mean * 1e6) : "-";
+    const std::string popped = t.popped_area_share_mean ? fmt::format("{:.0f}", *t.popped_area_share_mean * 1e6) : "-";
     fmt::print("{:18} {:7.1f} {:7.1f} {:6.2f} {:9.0f} {:7.1f} {:8.3f} {:8.4f} {:+7.1f}% {:>9}{}\n", flight.policy,
                t.frame_ms_p50, t.frame_ms_p99, t.frame_ms_stddev, t.triangles_drawn_mean, t.nodes_drawn_mean,
                t.nodes_missing_mean, t.toggles_per_frame, estimate_error(flight.report, true).mean_percent, popped,

@@ -154,10 +154,9 @@ void fetch_corners(const Shading& s, const Item& item, const uint32_t* index, Sp
   const float material[3] = {t.color[0][0][k], t.color[0][1][k], t.color[0][2][k]};
   for (int v = 0; v < 3; ++v) {
     const uint64_t at = index[v];
-    for (int c = 0; c < 3; ++c) {
-      const float own = item.colors == nullptr ? 1.0F : s.linear_of_srgb[item.colors[at] >> (8 * c) & 255U];
-      t.color[v][c][k] = material[c] * own;
-    }
+    for (int c = 0; c < 3; ++c)
+      t.color[v][c][k] =
+          item.colors != nullptr ? material[c] * s.linear_of_srgb[item.colors[at] >> (8 * c) & 255U] : material[c];
     if (item.normals == nullptr) continue;
     const float* n = item.normals + 3 * at;
     if (n[0] != 0 || n[1] != 0 || n[2] != 0) t.smooth[k] = 1;

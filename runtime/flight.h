@@ -50,7 +50,10 @@ struct FlightTotals {
   double nodes_fading_mean = 0;
   /// Deviation of the time for one and the same picture, drawn twice, in percent of it; 0: not measured.
   double frame_noise_percent = 0;
-  std::optional<double> popped_share_mean, popped_share_p99;  ///< nullopt: not measured
+  double frame_cpu_noise_percent = 0;  ///< the same by processor time
+  double draw_cpu_ms_mean = 0;
+  std::optional<double> popped_share_mean, popped_share_p99;            ///< nullopt: not measured
+  std::optional<double> popped_area_share_mean, popped_area_share_p99;  ///< the same by areas of 8 x 8 pixels
   Teleports teleports;
   uint64_t cells_crossed = 0;   ///< 0 without cells
   double delta_bytes_mean = 0;  ///< read for a step into another cell; 0 without cells

@@ -122,6 +122,8 @@ class Viewer {
   std::optional<std::pair<double, double>> mouse_;  ///< where a drag was last
   std::array<bool, GLFW_KEY_LAST + 1> was_down_{};
   bool panel_ = true, on_foot_ = false, bird_ = false;
+  bool playing_ = true;          ///< what is animated moves
+  double time_s_ = 0;            ///< of the animations
   double bird_m_ = kFirstBirdM;  ///< how high the bird is
   BoxColors boxes_ = BoxColors::none;
   bool recording_ = false;
@@ -182,6 +184,7 @@ void Viewer::read_keys(double dt_s) {
     if (on_foot_) camera_.pose.roll_deg = 0, speed_m_per_s_ = kWalkSpeed;
   }
   if (pressed(GLFW_KEY_B)) bird_ = !bird_;
+  if (pressed(GLFW_KEY_T)) playing_ = !playing_;
   if (pressed(GLFW_KEY_V)) boxes_ = static_cast<BoxColors>((static_cast<int>(boxes_) + 1) % 5);
   if (pressed(GLFW_KEY_H)) panel_ = !panel_;
   if (pressed(GLFW_KEY_HOME)) by_itself_.glide(camera_.pose, home_);
@@ -346,6 +349,10 @@ void Viewer::draw_panel(const FrameRow& row) {
   ImGui::Checkbox("walk", &on_foot_);
   ImGui::SameLine();
   ImGui::Checkbox("bird's eye", &bird_);
+  if (!source_.model().objects.moving.empty()) {
+    ImGui::SameLine();
+    ImGui::Checkbox(fmt::format("moving ({:.1f} s)###moving", time_s_).c_str(), &playing_);
+  }
   draw_box_colors_setting(boxes_);
   draw_settings(session_);
   if (!message_.empty()) ImGui::TextUnformatted(message_.c_str());
@@ -354,7 +361,8 @@ void Viewer::draw_panel(const FrameRow& row) {
       "drag: look   double click: go there   WASD, arrows, space, C: move   G: walk or fly   Q E: roll   wheel: speed  "
       " "
       "F: straighten   Home: back to the start   1-9: bookmark, Ctrl + 1-9: set it   B: bird's eye (wheel: height)   "
-      "V: boxes of nodes   P: picture   R: record   L: replay   H: hide this   Esc: quit");
+      "V: boxes of nodes   T: what moves stops or goes on   P: picture   R: record   L: replay   H: hide this   Esc: "
+      "quit");
   ImGui::PopTextWrapPos();
   ImGui::End();
 }
@@ -363,15 +371,19 @@ Result<ViewerReport> Viewer::run() {
   recorded_ = options_.replay;
   if (!recorded_.keys.empty()) by_itself_.replay(recorded_);
   const Clock::time_point begin = Clock::now();
+  Clock::time_point polled = begin;
   double last_s = 0, total_ms = 0;
   while (!window_.closing() && (options_.max_frames == 0 || report_.frames < options_.max_frames)) {
     const double now_s = std::chrono::duration<double>(Clock::now() - begin).count();
     const double dt_s = std::min(now_s - last_s, kLongestStepS);
     last_s = now_s;
     panels_.begin();
+    const Clock::time_point asked = polled;  // keys and mouse of this frame are as they were then
     read_keys(dt_s);
     camera_.width_px = window_.width_px();
     camera_.height_px = window_.height_px();
+    if (playing_) time_s_ += dt_s;
+    session_.set_time(time_s_);
     const Result<FrameRow> row = session_.frame(camera_, dt_s);
     if (!row) return row.error();
     ++report_.frames;
@@ -382,6 +394,8 @@ Result<ViewerReport> Viewer::run() {
     if (panel_) draw_panel(*row);
     panels_.end();
     window_.swap_and_poll();
+    polled = Clock::now();
+    plots_.set_response_ms(std::chrono::duration<double, std::milli>(polled - asked).count());
   }
   if (recording_) PROMENADE_TRY(stop_recording());
   keep_settings();

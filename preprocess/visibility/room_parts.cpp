@@ -64,6 +64,16 @@ class NodePlacer {
     reach_m_ = Rooms::kSlackM + (node.child_count == 0 ? 0 : node.error_m);
   }
 
+  /// What moves is in every room that it sweeps.
+  NodeParts run_swept(const Box& swept) {
+    for_each_room(rooms_, swept.grown(reach_m_), [&](uint32_t room) {
+      const Box near = rooms_.space.cells[room].box.grown(reach_m_);
+      const Box inside{glm::max(near.min, swept.min), glm::min(near.max, swept.max)};
+      if (!inside.empty()) parts_[{room, 0, 0, 0}].add(inside);
+    });
+    return std::move(parts_);
+  }
+
   NodeParts run(const Mesh& mesh) {
     for (size_t t = 0; t < mesh.triangle_count(); ++t) {
       std::array<glm::vec3, 3> p;
@@ -113,7 +123,9 @@ Result<RoomParts> find_room_parts(const ModelReader& reader, const Rooms& rooms,
   }
   std::vector<NodeParts> made(nodes.size());
   PROMENADE_TRY(for_each_mesh(reader, nodes, monitor, [&](size_t i, const Mesh& mesh) {
-    made[i] = NodePlacer(model, rooms, nodes[i]).run(mesh);
+    NodePlacer placer(model, rooms, nodes[i]);
+    made[i] =
+        model.is_moving(nodes[i]) ? placer.run_swept(model.tables.nodes[index_of(nodes[i])].box) : placer.run(mesh);
   }));
   placed.first.assign(rooms.space.cells.size() + 1, 0);
   for (const NodeParts& of_node : made)

@@ -183,8 +183,9 @@ class WallSplitter {
 
 Result<std::vector<AxialPatch>> find_axial_patches(const ModelReader& reader, JobMonitor& monitor) {
   Box box;
-  for (const NodeId root : reader.model().tables.roots) box.add(reader.model().tables.nodes[index_of(root)].box);
   const std::vector<NodeId> leaves = leaves_of(reader.model());
+  for (const NodeId root : reader.model().tables.roots)
+    if (!reader.model().is_moving(root)) box.add(reader.model().tables.nodes[index_of(root)].box);
   const double tile_m = std::max(double(box.size()[box.longest_axis()]) / kTiles, kPlaneM);
   std::vector<Patches> of_leaves(leaves.size());
   PROMENADE_TRY(
