@@ -8,6 +8,7 @@
 #include "geometry/camera.h"
 #include "preprocess/visibility/hider_chain.h"
 #include "preprocess/visibility/hiders/sampled.h"
+#include "preprocess/visibility/visibility.h"
 
 namespace promenade {
 namespace {
@@ -30,21 +31,24 @@ void Drawn::add(const Model& model, std::span<const NodeId> front, std::span<con
 
 Result<std::vector<ChainRow>> make_chains(std::vector<std::string> lists, const ModelReader& reader,
                                           JobMonitor& monitor) {
+  const Result<std::vector<std::string>> usual = chain_for_model({std::string(kAutoHiders)}, reader, monitor);
+  if (!usual) return usual.error();
   if (lists.empty()) {
     lists.push_back("none");
-    for (const std::string& name : default_hiders()) lists.push_back(name);
-    if (default_hiders().size() > 1) lists.push_back(joined(default_hiders()));
+    lists.insert(lists.end(), usual->begin(), usual->end());
+    if (usual->size() > 1) lists.push_back(joined(*usual));
   }
   std::vector<ChainRow> rows;
   rows.reserve(lists.size());
   for (const std::string& list : lists) {
-    const Result<std::vector<std::string>> names = parse_hiders(list);
+    Result<std::vector<std::string>> names = parse_hiders(list);
     if (!names) return names.error();
+    if (list == kAutoHiders) names = *usual;
     const WallClock clock;
     Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*names, reader, HiderBuildOptions(), monitor);
     if (!hiders) return hiders.error();
     ChainRow row;
-    row.name = list, row.hiders = std::move(*hiders), row.is_default = *names == default_hiders();
+    row.name = list, row.hiders = std::move(*hiders), row.is_default = *names == *usual;
     row.prepare_s = clock.seconds();
     for (const auto& hider : row.hiders) row.conservative &= hider->is_conservative();
     rows.push_back(std::move(row));

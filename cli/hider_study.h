@@ -45,8 +45,8 @@ struct ChainRow : ChainSums {
   void restart() { static_cast<ChainSums&>(*this) = {}; }
 };
 
-/// Chains by their lists of names; no list: no hider, each hider of the default chain, and the chain. Errors: a name,
-/// the model.
+/// Chains by their lists of names; no list: no hider, each hider of the chain that a build of this model uses, and
+/// that chain. Errors: a name, the model.
 Result<std::vector<ChainRow>> make_chains(std::vector<std::string> lists, const ModelReader& reader,
                                           JobMonitor& monitor);
 

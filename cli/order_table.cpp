@@ -31,8 +31,8 @@ OrderTableRow row_of(const Incidence& matrix, bool generated) {
   std::iota(input.begin(), input.end(), 0U);
   row.shuffled = count_runs(matrix, shuffled(matrix.columns()));
   row.input = count_runs(matrix, input);
-  tour_order(matrix, published_tour(), &row.greedy);
-  tour_order(matrix, TourOptions(), &row.from_bisection);
+  tour_order(matrix, TourOptions(TourSeed::greedy), &row.greedy);
+  tour_order(matrix, TourOptions(TourSeed::bisection), &row.from_bisection);
   row.distinct_columns = row.greedy.distinct_columns;
   constexpr uint32_t kSteps = 30;
   if (row.distinct_columns <= kMostBoundColumns)

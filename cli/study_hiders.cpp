@@ -198,8 +198,8 @@ Command add_study_hiders(CLI::App& study) {
   CLI::App* app = study.add_subcommand("hiders", "What each hider and chain of hiders costs and is worth");
   app->add_option("MODEL", arguments->models, "Directories that build made: one, or several to compare")->required();
   app->add_option("--hiders", arguments->chains,
-                  fmt::format("A chain, names separated by commas, of: {}; may be given several times. Default: each "
-                              "hider of the default chain, and the chain",
+                  fmt::format("A chain, names separated by commas, of: {}; or auto; may be given several times. "
+                              "Default: each hider of the chain that a build of this model uses, and the chain",
                               hider_names()))
       ->type_name("LIST")
       ->take_all();

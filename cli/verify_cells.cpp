@@ -12,6 +12,7 @@
 #include "cli/node_picture.h"
 #include "preprocess/visibility/hider_chain.h"
 #include "preprocess/visibility/study_cells.h"
+#include "preprocess/visibility/visibility.h"
 
 namespace promenade {
 namespace {
@@ -36,7 +37,9 @@ class Answers {
     if (!options_.hiders.empty()) {
       const Result<std::vector<std::string>> names = parse_hiders(options_.hiders);
       if (!names) return names.error();
-      Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*names, reader_, HiderBuildOptions(), monitor);
+      const Result<std::vector<std::string>> chain = chain_for_model(*names, reader_, monitor);
+      if (!chain) return chain.error();
+      Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*chain, reader_, HiderBuildOptions(), monitor);
       if (!hiders) return hiders.error();
       hiders_ = std::move(*hiders);
     }

@@ -246,17 +246,21 @@ class Build {
   Status add_cells(ModelWriter& writer) {
     const Result<ModelReader> reader = ModelReader::open(writer.staged_folder(), files_);
     if (!reader.ok()) return reader.error();
+    const Result<ViewSpace> space = survey_view_space(*reader, options_.visibility, monitor_);
+    if (!space.ok()) return space.error();
+    const std::vector<std::string>& names = resolved_hiders(options_.visibility.hiders, space->style);
     const Result<std::vector<std::unique_ptr<Hider>>> hiders =
-        make_hiders(options_.visibility.hiders, *reader, {options_.memory_bytes / kHidersPart}, monitor_);
+        make_hiders(names, *reader, {options_.memory_bytes / kHidersPart}, monitor_);
     if (!hiders.ok()) return hiders.error();
     clock_.end("hiders");
     for (const std::unique_ptr<Hider>& hider : *hiders)
       if (!hider->is_conservative())
         monitor_.warning(fmt::format("hider {}: may hide what can be seen", hider->name()));
     const Result<Visibility> made =
-        compute_visibility(*reader, *hiders, options_.visibility, hash_of(options_, hash_), folder_, monitor_);
+        compute_visibility(*reader, *space, *hiders, options_.visibility, hash_of(options_, hash_), folder_, monitor_);
     if (!made.ok()) return made.error();
     figures_.visibility = made->figures;
+    figures_.hiders = names;
     figures_.units_total += made->figures.units.total;
     figures_.units_resumed += made->figures.units.resumed;
     const auto nodes = static_cast<uint32_t>(reader->model().tables.nodes.size());

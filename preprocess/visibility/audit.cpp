@@ -12,7 +12,7 @@
 namespace promenade {
 namespace {
 
-constexpr double kBesideM = 0.001;  // a slit is narrower than twice this
+constexpr double kBesideM = 0.001;  // what is narrower is a slit; what is twice as wide is none
 
 /// A narrow picture: everything of the sphere about `at` is in it.
 RasterView aimed_view(const glm::dvec3& eye, const glm::dvec3& at, double radius_m, uint32_t side_px) {

@@ -9,8 +9,8 @@
 #include "codec/frame.h"
 #include "layout/cell_faces.h"
 #include "preprocess/unit_io.h"
+#include "preprocess/visibility/hider_chain.h"
 #include "preprocess/visibility/view_cells.h"
-#include "preprocess/visibility/view_volume.h"
 #include "preprocess/visibility/wall_planes.h"
 
 namespace promenade {
@@ -280,27 +280,42 @@ VisibilityFigures figures_of(const Visibility& made, const CellUnitCounts& units
 
 }  // namespace
 
-Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const CellOptions& options,
-                                      uint64_t hash, const WorkFolder& folder, JobMonitor& monitor) {
-  const Result<ViewVolume> volume = volume_of(reader, options, monitor);
+Result<ViewSpace> survey_view_space(const ModelReader& reader, const CellOptions& options, JobMonitor& monitor) {
+  Result<ViewVolume> volume = volume_of(reader, options, monitor);
   if (!volume.ok()) return volume.error();
+  const CellStyle style = style_of(options, *volume);
+  return ViewSpace{std::move(*volume), style};
+}
+
+Result<std::vector<std::string>> chain_for_model(const std::vector<std::string>& names, const ModelReader& reader,
+                                                 JobMonitor& monitor) {
+  if (resolved_hiders(names, CellStyle::octree) == names) return names;
+  CellOptions options;
+  options.cells = CellStyle::automatic;
+  const Result<ViewSpace> space = survey_view_space(reader, options, monitor);
+  if (!space) return space.error();
+  return resolved_hiders(names, space->style);
+}
+
+Result<Visibility> compute_visibility(const ModelReader& reader, const ViewSpace& space, HiderChain hiders,
+                                      const CellOptions& options, uint64_t hash, const WorkFolder& folder,
+                                      JobMonitor& monitor) {
   const FrontBound bound = bound_of(options);
   CellUnits units(reader.model(), hiders, bound, hash_of(bound, hash), folder, monitor);
-  const CellStyle style = style_of(options, *volume);
   std::vector<AxialPatch> patches;
-  if (style == CellStyle::kd) {
+  if (space.style == CellStyle::kd) {
     Result<std::vector<AxialPatch>> found = find_axial_patches(reader, monitor);
     if (!found.ok()) return found.error();
     patches = std::move(*found);
   }
-  Division division(reader, *volume, units, options);
+  Division division(reader, space.volume, units, options);
   PROMENADE_TRY(division.run(patches));
   division.join_alike(reader.model(), bound);
   Result<Visibility> made = division.result(bound);
   if (!made) return made;
   made->figures = figures_of(*made, units.counts());
-  made->figures.style = style;
-  made->figures.roofed_share = volume->roofed_share();
+  made->figures.style = space.style;
+  made->figures.roofed_share = space.volume.roofed_share();
   return made;
 }
 

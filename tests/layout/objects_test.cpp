@@ -5,7 +5,7 @@
 #include "layout/objects_codec.h"
 #include "tests/golden.h"
 #include "tests/layout/model_fixtures.h"
-#include "tests/layout/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
 namespace {

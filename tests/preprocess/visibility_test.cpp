@@ -94,7 +94,11 @@ class Seen : public testing::Test {
     Result<WorkFolder> work = WorkFolder::open(folder.path() / "work", real_file_system());
     const tbb::global_control most(tbb::global_control::max_allowed_parallelism, 4);
     tbb::task_arena arena(threads);
-    return arena.execute([&] { return compute_visibility(*reader, hiders, options, 7, *work, monitor); });
+    return arena.execute([&]() -> Result<Visibility> {
+      const Result<ViewSpace> space = survey_view_space(*reader, options, monitor);
+      if (!space) return space.error();
+      return compute_visibility(*reader, *space, hiders, options, 7, *work, monitor);
+    });
   }
 
   TemporaryFolder folder;
