@@ -7,6 +7,7 @@
 
 #include "geometry/job_monitor.h"
 #include "layout/cells_io.h"
+#include "layout/far_io.h"
 #include "layout/file_io.h"
 #include "layout/model.h"
 
@@ -27,12 +28,14 @@ class ModelWriter {
 
   /// Writes tables and manifest (files, segments and checksums are filled in here), checks find_defect and syncs: a
   /// whole model, though not under its name, that can be opened at staged_folder().
-  Status stage(ModelTables tables, ModelManifest manifest);
+  Status stage(ModelTables tables, ModelManifest manifest, ModelObjects objects = {});
   std::filesystem::path staged_folder() const;
   /// Lays the staged model's meshes out in this order of its nodes, each of them once. Before add_cells.
   Status reorder(std::span<const uint32_t> nodes);
   /// View cells for the staged model. At most once.
   Status add_cells(const CellTables& cells, const VlodSource& vlod_of);
+  /// Far pictures for the staged model, last of all. At most once. tables: without cells and faces.
+  Status add_far(const FarTables& tables, const FarCellSource& next_cells);
   /// Renames the staged model to its name.
   Status publish();
   /// stage() and publish(): a model without cells.
@@ -70,6 +73,8 @@ class ModelReader {
 
   /// The model's view cells and what they see; null: it has none.
   const CellsReader* cells() const;
+  /// The model's far pictures; null: it has none.
+  const FarReader* far() const;
 
  private:
   struct State;
@@ -77,7 +82,7 @@ class ModelReader {
   std::unique_ptr<State> state_;
 };
 
-/// Checks every segment and every cell's vLOD against its checksum. Error: the first that fails.
+/// Checks every segment, every cell's vLOD and every far picture against its checksum. Error: the first that fails.
 Status verify_checksums(const ModelReader& reader, JobMonitor& monitor);
 
 }  // namespace promenade

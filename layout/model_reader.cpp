@@ -12,6 +12,7 @@
 #include "layout/manifest.h"
 #include "layout/model_folder.h"
 #include "layout/model_io.h"
+#include "layout/objects_codec.h"
 #include "layout/tables_codec.h"
 
 namespace promenade {
@@ -56,6 +57,23 @@ Result<ModelTables> read_tables(const fs::path& folder, const StoredManifest& st
   return tables;
 }
 
+bool names_file(const ModelManifest& manifest, const char* name) {
+  return std::any_of(manifest.files.begin(), manifest.files.end(),
+                     [name](const ModelManifest::File& file) { return file.name == name; });
+}
+
+/// Empty where the model has none.
+Result<ModelObjects> read_objects(const fs::path& folder, const StoredManifest& stored, size_t nodes,
+                                  FileSystem& files) {
+  if (!names_file(stored.manifest, kObjectsName)) return ModelObjects();
+  const fs::path path = folder / kObjectsName;
+  const Result<std::vector<std::byte>> bytes = read_file(path, uint64_t(1) << 40, files);
+  if (!bytes) return bytes.error();
+  Result<ModelObjects> objects = decode_objects(*bytes, {stored.tables_checksum, static_cast<uint32_t>(nodes)});
+  if (!objects) return Error{fmt::format("{}: {}", path.string(), objects.error().message)};
+  return objects;
+}
+
 }  // namespace
 
 struct ModelReader::State {
@@ -63,6 +81,7 @@ struct ModelReader::State {
   Model model;
   std::vector<RandomAccessFile> files;  // as in the manifest, without the tables
   std::optional<CellsReader> cells;
+  std::optional<FarReader> far;
 
   std::string name_of_segment(uint32_t segment) const {
     const SegmentRecord& record = model.tables.segments[segment];
@@ -83,9 +102,17 @@ struct ModelReader::State {
     return Done{};
   }
 
+  Status open_far(uint64_t tables_checksum, FileSystem& file_system) {
+    if (!names_file(model.manifest, kFarName)) return Done{};
+    const CellsOwner owner{tables_checksum, static_cast<uint32_t>(model.tables.nodes.size())};
+    Result<FarReader> opened = FarReader::open(folder / kFarName, owner, file_system);
+    if (!opened) return opened.error();
+    far.emplace(std::move(*opened));
+    return Done{};
+  }
+
   Status open_cells(uint64_t tables_checksum, FileSystem& file_system) {
-    const auto named = [](const ModelManifest::File& file) { return file.name == kCellsName; };
-    if (std::none_of(model.manifest.files.begin(), model.manifest.files.end(), named)) return Done{};
+    if (!names_file(model.manifest, kCellsName)) return Done{};
     const CellsOwner owner{tables_checksum, static_cast<uint32_t>(model.tables.nodes.size())};
     Result<NodeForest> forest = node_forest(model.tables);
     if (!forest) return Error{fmt::format("{}: {}", (folder / kTablesName).string(), forest.error().message)};
@@ -110,17 +137,22 @@ Result<ModelReader> ModelReader::open(const fs::path& path, FileSystem& files) {
   if (!stored) return stored.error();
   Result<ModelTables> tables = read_tables(*folder, *stored, files);
   if (!tables) return tables.error();
-  state->model = {std::move(stored->manifest), std::move(*tables)};
+  Result<ModelObjects> objects = read_objects(*folder, *stored, tables->nodes.size(), files);
+  if (!objects) return objects.error();
+  state->model = {std::move(stored->manifest), std::move(*tables), std::move(*objects)};
   if (const std::string defect = find_defect(state->model); !defect.empty())
     return Error{fmt::format("{}: {}", (*folder / kTablesName).string(), defect)};
   PROMENADE_TRY(state->open_files(files));
   PROMENADE_TRY(state->open_cells(stored->tables_checksum, files));
+  PROMENADE_TRY(state->open_far(stored->tables_checksum, files));
   return ModelReader(std::move(state));
 }
 
 const Model& ModelReader::model() const { return state_->model; }
 
 const CellsReader* ModelReader::cells() const { return state_->cells ? &*state_->cells : nullptr; }
+
+const FarReader* ModelReader::far() const { return state_->far ? &*state_->far : nullptr; }
 
 Status ModelReader::read_piece(uint32_t segment, uint64_t offset, std::span<std::byte> into) const {
   const SegmentRecord& record = state_->model.tables.segments[segment];
@@ -188,6 +220,12 @@ Status verify_checksums(const ModelReader& reader, JobMonitor& monitor) {
     if (monitor.cancelled()) return Error{"interrupted"};
     if (const Result<Vlod> vlod = reader.cells()->read_vlod(CellId{i}); !vlod) return vlod.error();
     monitor.progress("cells", i + 1, cells);
+  }
+  const uint32_t faces = reader.far() != nullptr ? static_cast<uint32_t>(reader.far()->tables().faces.size()) : 0;
+  for (uint32_t i = 0; i < faces; ++i) {
+    if (monitor.cancelled()) return Error{"interrupted"};
+    if (const Result<std::vector<std::byte>> bytes = reader.far()->read_face(i); !bytes) return bytes.error();
+    monitor.progress("far pictures", i + 1, faces);
   }
   return Done{};
 }

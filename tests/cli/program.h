@@ -11,8 +11,9 @@ struct ProgramRun {
   std::string out, err;
 };
 
-/// Runs the program with shell words, in `folder`; bounded in time.
-ProgramRun run_program(const std::string& words, const std::filesystem::path& folder);
+/// Runs the program with shell words, in `folder`; bounded in time. environment: "NAME=value ..." besides the test's.
+ProgramRun run_program(const std::string& words, const std::filesystem::path& folder,
+                       const std::string& environment = "");
 
 /// A new empty folder that goes when the object does.
 class TemporaryFolder {
