@@ -26,8 +26,8 @@ constexpr float kPatience = 1.2F;
 
 /// Colours that differ by less pass for the same paint, in parts of black and white.
 constexpr float kPaintContrast = 0.065F;
-/// What a metre of a painted part's width is worth, as for borders between colours: at most that of the wrong colour is
-/// shown.
+/// What a metre of a painted part's width is worth: it vanishes at about three pixels. Measured on a city: at 1 the
+/// front is 6 % larger and hardly a pixel's colour is nearer; at 0.25 crosswalks vanish from the air.
 constexpr float kPaintWeight = 0.35F;
 
 /// How far paint lies above what it is painted on in the end, in shares of the largest cost, rounded to a power of two:
