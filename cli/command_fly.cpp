@@ -62,8 +62,9 @@ void print_totals(const FlyArguments& arguments, const FlightReport& report) {
   const FlightTotals& t = report.totals;
   fmt::print("{} frames: {:.1f} ms median, {:.1f} ms p99, {:.2f} ms deviation\n", t.frames, t.frame_ms_p50,
              t.frame_ms_p99, t.frame_ms_stddev);
-  const EstimateError error = estimate_error(report, true);
-  fmt::print("  estimates {:+.1f} % off, deviation {:.1f} %", error.mean_percent, error.stddev_percent);
+  const EstimateError error = estimate_error(report, true), cpu = estimate_cpu_error(report);
+  fmt::print("  estimates {:+.1f} % off, deviation {:.1f} % (of drawing's processor time {:+.1f} % and {:.1f} %)",
+             error.mean_percent, error.stddev_percent, cpu.mean_percent, cpu.stddev_percent);
   if (t.frame_noise_percent > 0)
     fmt::print("; one picture drawn twice deviates by {:.1f} % ({:.1f} % of processor time)", t.frame_noise_percent,
                t.frame_cpu_noise_percent);

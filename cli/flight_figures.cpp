@@ -37,6 +37,7 @@ Json json_of_row(const FrameRow& row) {
           {"nodes_fading", row.nodes_fading},
           {"pace", row.pace},
           {"draw_cpu_ms", row.draw_cpu_ms},
+          {"estimated_cpu_ms", row.estimated_cpu_ms},
           {"redraw_ms", row.redraw_ms},
           {"redraw_cpu_ms", row.redraw_cpu_ms},
           {"popped_share", row.popped_share ? Json(*row.popped_share) : Json()},
@@ -175,12 +176,7 @@ std::string table_of(const FlightReport& report) {
   return html_table(table, false);
 }
 
-}  // namespace
-
-EstimateError estimate_error(const FlightReport& report, bool with_feedback) {
-  const std::vector<double> errors = column(report, [&](const FrameRow& row) {
-    return estimate_error_percent(estimated_ms(row, with_feedback), row.frame_ms);
-  });
+EstimateError deviation_of(const std::vector<double>& errors) {
   if (errors.empty()) return {};
   double sum = 0, squares = 0;
   for (const double e : errors) sum += e, squares += e * e;
@@ -188,8 +184,23 @@ EstimateError estimate_error(const FlightReport& report, bool with_feedback) {
   return {mean, std::sqrt(std::max(0.0, squares / double(errors.size()) - mean * mean))};
 }
 
+}  // namespace
+
+EstimateError estimate_error(const FlightReport& report, bool with_feedback) {
+  return deviation_of(column(report, [&](const FrameRow& row) {
+    return estimate_error_percent(estimated_ms(row, with_feedback), row.frame_ms);
+  }));
+}
+
+EstimateError estimate_cpu_error(const FlightReport& report) {
+  return deviation_of(column(report, [](const FrameRow& row) {
+    return row.estimated_cpu_ms > 0 ? estimate_error_percent(row.estimated_cpu_ms, row.draw_cpu_ms) : 0;
+  }));
+}
+
 Json totals_json(const FlightReport& report) {
-  const EstimateError with = estimate_error(report, true), without = estimate_error(report, false);
+  const EstimateError with = estimate_error(report, true), without = estimate_error(report, false),
+                      cpu = estimate_cpu_error(report);
   const FlightTotals& t = report.totals;
   Json json = {{"frame_count", t.frames},
                {"frame_ms_mean", t.frame_ms_mean},
@@ -227,6 +238,8 @@ Json totals_json(const FlightReport& report) {
                {"memory_bytes", t.memory_bytes},
                {"estimate_error_percent_mean", with.mean_percent},
                {"estimate_error_percent_stddev", with.stddev_percent},
+               {"estimate_cpu_error_percent_mean", cpu.mean_percent},
+               {"estimate_cpu_error_percent_stddev", cpu.stddev_percent},
                {"estimate_without_feedback_error_percent_mean", without.mean_percent},
                {"estimate_without_feedback_error_percent_stddev", without.stddev_percent}};
   return json;

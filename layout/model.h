@@ -103,7 +103,7 @@ struct ModelManifest {
 struct Model {
   ModelManifest manifest;
   ModelTables tables;
-  ModelObjects objects;
+  ModelObjects objects = {};
 
   /// Nodes from this one on are of objects that move: their boxes hold what they sweep, their meshes are in the
   /// objects' own spaces.

@@ -78,7 +78,7 @@ struct Session::State {
         posed(from.model()),
         importance(importance_of(from.model(), with.class_weights)),
         fades(posed.now()) {
-    if (with.draw_costs) select_state.costs.emplace(*with.draw_costs);
+    if (with.draw_costs) select_state.costs.emplace(*with.draw_costs), cpu_costs.emplace(*with.draw_costs);
   }
   ~State() {
     thread.reset();
@@ -111,6 +111,7 @@ struct Session::State {
   std::unique_ptr<Loader> loader;
   std::unique_ptr<LoaderThread> thread;
   SelectState select_state;
+  std::optional<CostModel> cpu_costs;  ///< the same in processor time; nothing is decided by it
   Selection selection;
   FrameView view;
   std::vector<DrawItem> items;
@@ -288,6 +289,10 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   const Result<Redraw> drawn = s.timed_draw();
   if (!drawn) return drawn.error();
   row.draw_ms = drawn->ms, row.draw_cpu_ms = drawn->cpu_ms;
+  if (s.cpu_costs) {
+    row.estimated_cpu_ms = s.cpu_costs->estimate_ms(s.load);
+    s.cpu_costs->learn(s.load, row.draw_cpu_ms);
+  }
 
   row.frame_ms = ms_since(begin);
   row.response_ms = row.frame_ms;

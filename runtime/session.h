@@ -71,7 +71,9 @@ struct FrameRow {
   uint64_t delta_bytes = 0;      ///< that it took on disk
   std::vector<uint32_t> nodes_by_level;
   double draw_cpu_ms = 0;  ///< processor time of drawing, all threads but the loader's
-  double redraw_ms = 0;    ///< fly: the same picture drawn again; 0: it was not
+  /// What that was expected to be: an estimate that other programs on the machine do not disturb. 0: no cost model.
+  double estimated_cpu_ms = 0;
+  double redraw_ms = 0;  ///< fly: the same picture drawn again; 0: it was not
   double redraw_cpu_ms = 0;
   /// fly: of the pixels, and by areas (runtime/popping.h)
   std::optional<double> popped_share, popped_area_share;

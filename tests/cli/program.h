@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/temporary_folder.h"
+
 namespace promenade {
 
 struct ProgramRun {
@@ -14,19 +16,6 @@ struct ProgramRun {
 /// Runs the program with shell words, in `folder`; bounded in time. environment: "NAME=value ..." besides the test's.
 ProgramRun run_program(const std::string& words, const std::filesystem::path& folder,
                        const std::string& environment = "");
-
-/// A new empty folder that goes when the object does.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 void write_text(const std::filesystem::path& path, const std::string& text);
 std::string read_text(const std::filesystem::path& path);

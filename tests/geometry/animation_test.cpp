@@ -92,7 +92,7 @@ Animation random_chain(Random& random) {
   for (uint32_t j = 0; j < 3; ++j) {
     AnimationJoint joint;
     joint.parent = j == 0 ? kNoJoint : j - 1;
-    for (int i = 0; i < 3; ++i) joint.parent_from_rest[3][i] = random.range(-2, 2);
+    for (int i = 0; i < 3; ++i) joint.parent_from_rest[3][i] = random.range(-2.0, 2.0);
     joint.parent_from_rest[0][1] = random.range(-0.5, 0.5);  // sheared, too
     for (const AnimationJoint::Slot slot :
          {AnimationJoint::kTranslation, AnimationJoint::kRotation, AnimationJoint::kScale}) {
@@ -139,8 +139,8 @@ TEST(LargestScale, bounds_what_any_direction_is_lengthened_by) {
     const double bound = largest_scale(a, 2);
     for (int i = 0; i <= 100; ++i) {
       const glm::dmat3 linear(poses_at(a, i * 0.03)[2]);
-      const glm::dvec3 way =
-          glm::normalize(glm::dvec3(random.range(-1, 1), random.range(-1, 1), random.range(-1, 1)) + glm::dvec3(1e-3));
+      const glm::dvec3 way = glm::normalize(
+          glm::dvec3(random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0)) + glm::dvec3(1e-3));
       ASSERT_LE(glm::length(linear * way), bound * (1 + 1e-9)) << "trial " << trial;
     }
   }

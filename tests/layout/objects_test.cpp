@@ -3,8 +3,9 @@
 
 #include "codec/frame.h"
 #include "layout/objects_codec.h"
+#include "tests/golden.h"
 #include "tests/layout/model_fixtures.h"
-#include "tests/layout/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
 namespace {
@@ -58,6 +59,13 @@ TEST(ObjectsCodec, objects_come_back) {
   ASSERT_TRUE(back) << back.error().message;
   expect_same(*back, one_that_moves());
   EXPECT_TRUE(decode_objects(encode_objects({}, kOwner), kOwner)->empty());
+}
+
+TEST(ObjectsCodec, are_the_golden_bytes_of_version_1) {
+  expect_golden("objects_v1.bin", encode_objects(one_that_moves(), kOwner));
+  const Result<ModelObjects> back = decode_objects(golden_bytes("objects_v1.bin"), kOwner);
+  ASSERT_TRUE(back) << back.error().message;
+  expect_same(*back, one_that_moves());
 }
 
 TEST(ObjectsCodec, rejects_every_truncation_every_changed_byte_and_what_follows) {

@@ -144,8 +144,12 @@ TEST(Loader, what_lies_along_pushes_nothing_out) {
     if (!bench.set->load_roots(bench.renderer)) continue;
     bench.want({{model.leaves[2], 10}, {model.leaves[0], 9}, {model.leaves[3], 5}});
     bench.run();  // checks the bound at every step
-    if (bench.resident(model.leaves[3])) EXPECT_TRUE(bench.resident(model.leaves[0])) << bytes;
-    if (bench.resident(model.leaves[0])) EXPECT_TRUE(bench.resident(model.leaves[2])) << bytes;
+    if (bench.resident(model.leaves[3])) {
+      EXPECT_TRUE(bench.resident(model.leaves[0])) << bytes;
+    }
+    if (bench.resident(model.leaves[0])) {
+      EXPECT_TRUE(bench.resident(model.leaves[2])) << bytes;
+    }
   }
 }
 
