@@ -21,8 +21,6 @@ constexpr size_t kMaxCorners = 16;  // of a piece; from kCrowded on only halving
 constexpr size_t kCrowded = 10;
 constexpr uint32_t kMaxDepth = 40;         // halvings of one triangle below each other
 constexpr size_t kPiecesPerTriangle = 32;  // bounds the time on hostile input
-constexpr float kLooserSlack = 0.25F;      // at least, from when half of the pieces are used up
-constexpr float kLooserFactor = 4;         // and whenever half of what was left is: all input gets a bound of some use
 constexpr uint32_t kSamples = 512;         // of each direction: five of them above the 99th percentile
 constexpr float kWellInside = 1e-4F;       // barycentric: cuts nearer to a border would gain nothing, for ever
 constexpr float kFloorShare = 1e-5F;       // of the diagonal: differences below it are not pursued
@@ -135,7 +133,6 @@ class Direction {
   /// Bounds the distance over every triangle. After measure_vertices of both directions.
   void bound_triangles() {
     pieces_left_ = (from_.triangle_count() + to_.triangle_count()) * kPiecesPerTriangle + 1000;
-    loosen_at_ = pieces_left_ / 2;
     for (size_t t = 0; t < from_.triangle_count(); ++t) bound_triangle(t);
   }
 
@@ -197,10 +194,7 @@ class Direction {
   void bound_piece(Piece piece) {
     if (piece.bound <= measure_.good_enough() || piece.depth >= kMaxDepth || pieces_left_ == 0)
       return settle(piece.bound);
-    if (--pieces_left_ == loosen_at_) {
-      measure_.slack = std::max(kLooserSlack, measure_.slack * kLooserFactor);
-      loosen_at_ /= 2;
-    }
+    --pieces_left_;
     glm::vec3 center(0);
     for (uint32_t i = 0; i < piece.count; ++i) center += piece.corners[i];
     center /= float(piece.count);
@@ -293,7 +287,7 @@ class Direction {
   std::vector<uint32_t> place_of_vertex_;
   std::vector<Found> nearest_;  // of each place
   std::vector<Piece> stack_;
-  size_t pieces_left_ = 0, loosen_at_ = 0;
+  size_t pieces_left_ = 0;
 };
 
 }  // namespace
