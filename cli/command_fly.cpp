@@ -90,6 +90,10 @@ void print_totals(const FlyArguments& arguments, const FlightReport& report) {
   if (t.cells_crossed > 0)
     fmt::print("  {} cells crossed, {:.0f} nodes and {:.0f} bytes a step, {} frames before a cell's vLOD was read\n",
                t.cells_crossed, t.delta_nodes_mean, t.delta_bytes_mean, t.vlods_missing);
+  if (t.far_triangles_mean > 0)
+    fmt::print(
+        "  far pictures: {:.0f} triangles a frame, {} borders crossed, {} frames with the last cell's, {} without\n",
+        t.far_triangles_mean, t.far_crossed, t.far_late, t.far_missing);
   fmt::print("  {} of {} resident at most, {} read in {} reads\n", human_bytes(t.resident_bytes_peak),
              human_bytes(t.memory_bytes), human_bytes(t.bytes_read), t.reads);
   if (!arguments.report_file.empty()) fmt::print("  report: {}\n", arguments.report_file.string());
@@ -178,6 +182,7 @@ Command add_fly(CLI::App& program) {
   app->add_flag("--published-estimate", arguments->published_estimate,
                 "Foretell frame times by triangles alone, as [lakhia2004] did, not by the machine's measured costs");
   add_fade_option(*app, arguments->view);
+  add_far_style_option(*app, arguments->view);
   add_prefetch_options(*app, arguments->view);
   add_camera_options(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::vlod_time_slices, uint64_t(256) << 20);

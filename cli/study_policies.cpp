@@ -83,6 +83,7 @@ Status run_study(const Arguments& arguments, JobMonitor& monitor, Json& figures)
   std::vector<PolicyFlight> flights;
   figures["policies"] = Json::array();
   for (const Policy policy : policies) {
+    if (arguments.policies.empty() && uses_far(policy) && source->far() == nullptr) continue;
     Result<FlightReport> report = fly_with(policy, arguments, *source, *offscreen, *costs, *path, monitor);
     if (!report) return Error{fmt::format("policy {}: {}", name_of(policy), report.error().message)};
     Json row = {{"name", name_of(policy)}};
@@ -119,6 +120,7 @@ Command add_study_policies(CLI::App& study) {
   app->add_option("--report", arguments->report_file, "Write a page with all plots, a line a policy")
       ->type_name("FILE.html");
   add_fade_option(*app, arguments->view);
+  add_far_style_option(*app, arguments->view);
   add_prefetch_options(*app, arguments->view);
   add_camera_options(*app, arguments->view);
   add_policy_options(*app, arguments->view, kDefaultPolicy, uint64_t(256) << 20);
