@@ -69,8 +69,9 @@ class FarPictures : public testing::Test {
   Result<BuildFigures> figures = BuildFigures{};
 };
 
-/// The first triangle that a ray meets beyond `from`, in lengths of the direction.
-std::optional<double> first_hit(const Mesh& mesh, const glm::dvec3& origin, const glm::dvec3& direction, double from) {
+/// The first triangle that a ray meets beyond `from`, in lengths of the direction. from_front: whether at its front.
+std::optional<double> first_hit(const Mesh& mesh, const glm::dvec3& origin, const glm::dvec3& direction, double from,
+                                bool* from_front = nullptr) {
   std::optional<double> nearest;
   for (size_t t = 0; t < mesh.triangle_count(); ++t) {
     const glm::dvec3 a(mesh.positions[mesh.indices[3 * t]]), b(mesh.positions[mesh.indices[3 * t + 1]]),
@@ -82,7 +83,9 @@ std::optional<double> first_hit(const Mesh& mesh, const glm::dvec3& origin, cons
     const double u = glm::dot(s, p) / det, v = glm::dot(direction, q) / det, at = glm::dot(e2, q) / det;
     constexpr double kRim = -1e-9;
     if (u < kRim || v < kRim || u + v > 1 - kRim || at < from) continue;
-    if (!nearest || at < *nearest) nearest = at;
+    if (nearest && at >= *nearest) continue;
+    nearest = at;
+    if (from_front != nullptr) *from_front = det > 0;
   }
   return nearest;
 }
@@ -135,8 +138,10 @@ class Audit {
     const uint32_t side = random.below(6);
     const double texel = 2.0 / (1U << tables_.face_levels);
     const double x = random.range(-1.0, 1.0), y = random.range(-1.0, 1.0), half_box_m = tables_.box_m / 2;
-    const std::optional<double> hit = first_hit(source_, cell.centre, ray(side, x, y) * half_box_m, 1);
-    if (!hit) return;
+    // The back of a triangle is the inside of what the box cuts: its near part hides it.
+    bool from_front = false;
+    const std::optional<double> hit = first_hit(source_, cell.centre, ray(side, x, y) * half_box_m, 1, &from_front);
+    if (!hit || !from_front) return;
     ++seen;
     const glm::dvec3 point = ray(side, x, y) * half_box_m * *hit;
     const double half_cell_m = tables_.cell_m / 2;
@@ -187,7 +192,7 @@ TEST_F(FarPictures, keep_the_bound_at_random_points_and_eyes_with_and_without_de
     for (glm::vec3& p : in_model.positions) p -= glm::vec3(reader->model().manifest.origin);
     Audit audit(*reader, in_model);
     audit.run(audit_points());
-    EXPECT_GT(audit.seen, 300);
+    EXPECT_GT(audit.seen, audit_points() / 8);
     EXPECT_EQ(audit.over, 0) << "of " << audit.seen << ", the worst " << glm::degrees(audit.largest_rad) << " degrees";
     EXPECT_EQ(audit.undrawn, 0) << "of " << audit.seen;
     RecordProperty(depth ? "points_with_depth" : "points_flat", audit.seen);
