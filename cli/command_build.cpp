@@ -22,8 +22,10 @@ void print_summary(const BuildOptions& options, const BuildFigures& made, double
              seconds);
   const VisibilityFigures& seen = made.visibility;
   if (seen.cells > 0)
-    fmt::print("  {} view cells, {:.0f} of {:.0f} triangles of a cell's front may be seen, {:.1f} ms a cell\n",
-               seen.cells, seen.vlod_triangles_mean, seen.front_triangles_mean, seen.ms_per_cell);
+    fmt::print(
+        "  {} view cells ({}), {:.0f} of {:.0f} triangles of a cell's front may be seen ({}), {:.1f} ms a cell\n",
+        seen.cells, name_of(seen.style), seen.vlod_triangles_mean, seen.front_triangles_mean,
+        made.hiders.empty() ? "nothing is hidden" : fmt::format("{}", fmt::join(made.hiders, ", ")), seen.ms_per_cell);
   const FarFigures& far = made.far;
   if (far.cells > 0)
     fmt::print(
@@ -69,6 +71,7 @@ Status run_build(const BuildOptions& options, JobMonitor& monitor, Json& figures
              {"units_resumed", made->units_resumed},
              {"cells", made->visibility.cells},
              {"cells_style", name_of(made->visibility.style)},
+             {"hiders", made->hiders},
              {"roofed_share", made->visibility.roofed_share},
              {"vlod_nodes_mean", made->visibility.vlod_nodes_mean},
              {"vlod_triangles_mean", made->visibility.vlod_triangles_mean},
@@ -144,7 +147,7 @@ Result<std::vector<DBox>> read_boxes(const std::filesystem::path& file) {
 void add_cell_options(CLI::App& app, CellOptions& o) {
   CLI::Option_group* group = app.add_option_group("view cells", "What can be seen from where, computed once");
   o.cells = CellStyle::automatic;
-  o.hiders = default_hiders();
+  o.hiders = {std::string(kAutoHiders)};
   group
       ->add_option_function<std::string>(
           "--hiders",
@@ -153,8 +156,11 @@ void add_cell_options(CLI::App& app, CellOptions& o) {
             if (!names) throw CLI::ValidationError("--hiders", names.error().message);
             o.hiders = *names;
           },
-          fmt::format("What proves that nodes are hidden, in order: none or some of {}", hider_names()))
-      ->default_str(fmt::format("{}", fmt::join(default_hiders(), ",")));
+          fmt::format(
+              "What proves that nodes are hidden, in order: none, some of {}, or auto: {} in an octree's cells, {} "
+              "in those along walls",
+              hider_names(), fmt::join(hiders_for(CellStyle::octree), ","), fmt::join(hiders_for(CellStyle::kd), ",")))
+      ->default_str(std::string(kAutoHiders));
   add_parsed<CellStyle>(*group, "--cells", o.cells, parse_cells,
                         "How viewing space is divided: octree, kd (along walls), none, or auto: what suits")
       ->default_str("auto");

@@ -87,6 +87,8 @@ void add_city_options(CLI::App& app, GenerateArguments& arguments) {
       ->capture_default_str();
   app.add_option("--tree-distance", city.tree_distance_m, "Distance between street trees, m (0: none)")
       ->capture_default_str();
+  app.add_option("--moving", city.moving, "Cars that drive around blocks: animated objects, besides --triangles")
+      ->capture_default_str();
   app.add_flag("--interiors", city.interiors, "Furnished rooms behind the windows");
   app.add_option("--texture-megapixels", city.texture_megapixels,
                  "Unique facade textures, all together (0: colours only)")

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -46,6 +47,29 @@ Json json_of_levels(const std::vector<LevelSummary>& levels) {
   return rows;
 }
 
+struct ClassSummary {
+  double area_m2 = 0;
+  uint64_t leaves = 0;
+};
+
+/// By name, what the source's classes come to.
+std::map<std::string, ClassSummary> summarize_classes(const ModelObjects& objects) {
+  std::map<std::string, ClassSummary> classes;
+  for (const ClassShare& share : objects.class_shares) {
+    ClassSummary& sum = classes[objects.classes[share.class_index]];
+    sum.area_m2 += double(share.area_m2);
+    ++sum.leaves;
+  }
+  return classes;
+}
+
+Json json_of_classes(const ModelObjects& objects) {
+  Json rows = Json::array();
+  for (const auto& [name, sum] : summarize_classes(objects))
+    rows.push_back({{"name", name}, {"area_m2", sum.area_m2}, {"leaves", sum.leaves}});
+  return rows;
+}
+
 Json json_of_model(const Model& model) {
   const ModelManifest& manifest = model.manifest;
   Json files = Json::object();
@@ -64,6 +88,9 @@ Json json_of_model(const Model& model) {
           {"origin", {manifest.origin.x, manifest.origin.y, manifest.origin.z}},
           {"world_box", {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}}},
           {"bytes_by_file", files},
+          {"moving_objects", model.objects.moving.size()},
+          {"moving_nodes", model.objects.moving_nodes.size()},
+          {"classes", json_of_classes(model.objects)},
           {"levels", json_of_levels(summarize_levels(model.tables))},
           {"import_counts", manifest.import_counts},
           {"notes", manifest.notes}};
@@ -90,6 +117,10 @@ void print_model(const std::filesystem::path& path, const Model& model) {
   for (size_t i = 0; i < levels.size(); ++i)
     fmt::print("  {:>5} {:>8} {:>12}   {:.4f} {:.4f}\n", i, levels[i].nodes, levels[i].triangles,
                levels[i].error_m_sum / double(levels[i].nodes), levels[i].error_m_max);
+  if (!model.objects.moving.empty())
+    fmt::print("  {} objects that move, {} nodes\n", model.objects.moving.size(), model.objects.moving_nodes.size());
+  for (const auto& [name, sum] : summarize_classes(model.objects))
+    fmt::print("  class {}: {:.0f} m2 in {} leaves\n", name.empty() ? "(none)" : name, sum.area_m2, sum.leaves);
   for (const auto& [name, value] : manifest.settings) fmt::print("  --{} {}\n", name, value);
   for (const auto& [name, count] : manifest.import_counts) fmt::print("  {}: {}\n", name, count);
   for (const std::string& note : manifest.notes) fmt::print("  note: {}\n", note);

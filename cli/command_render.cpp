@@ -19,6 +19,7 @@ struct RenderArguments {
   std::filesystem::path path_file;
   uint32_t every = 1;
   Aov aov = Aov::color;
+  double time_s = 0;
   ViewOptions view;
   ImportOptions import;
 };
@@ -54,6 +55,7 @@ Status render_model(const RenderArguments& arguments, const std::vector<Camera>&
   for (size_t i = 0; i < cameras.size(); ++i) {
     monitor.progress("render", i, cameras.size());
     if (monitor.cancelled()) return Error{"interrupted"};
+    session->set_time(arguments.time_s);
     const Result<FrameRow> row = session->settle(cameras[i]);
     if (!row) return row.error();
     const Result<Frame> frame = read_frame(renderer, cameras[i].width_px, cameras[i].height_px, arguments.aov);
@@ -81,6 +83,7 @@ Status render_untouched_source(const RenderArguments& arguments, const std::vect
   options.import = arguments.import;
   options.cameras = cameras;
   options.aov = arguments.aov;
+  options.time_s = arguments.time_s;
   options.look.lighting = arguments.view.session.lighting;
   options.look.background = background_of(arguments.view);
   options.memory_bytes = arguments.view.session.loader.memory_bytes;
@@ -134,6 +137,9 @@ Command add_render(CLI::App& program) {
   add_parsed<Aov>(*app, "--aov", arguments->aov, parse_aov,
                   "What the picture holds: color, depth (m along the view axis) or node")
       ->default_str("color");
+  app->add_option("--time", arguments->time_s, "Where animated objects are: seconds from their animation's start")
+      ->check(CLI::Number)
+      ->capture_default_str();
   add_camera_options(*app, arguments->view);
   add_far_style_option(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::static_error, uint64_t(4) << 30);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -25,6 +26,7 @@ Json json_of_row(const FrameRow& row) {
           {"estimated_ms", row.estimated_ms},
           {"estimated_without_feedback_ms", row.estimated_without_feedback_ms},
           {"share_ms", row.share_ms},
+          {"moved_m", row.moved_m},
           {"triangles_drawn", row.triangles_drawn},
           {"nodes_drawn", row.nodes_drawn},
           {"nodes_missing", row.nodes_missing},
@@ -34,8 +36,12 @@ Json json_of_row(const FrameRow& row) {
           {"toggles_loading", row.toggles_loading},
           {"nodes_fading", row.nodes_fading},
           {"pace", row.pace},
+          {"draw_cpu_ms", row.draw_cpu_ms},
+          {"estimated_cpu_ms", row.estimated_cpu_ms},
           {"redraw_ms", row.redraw_ms},
+          {"redraw_cpu_ms", row.redraw_cpu_ms},
           {"popped_share", row.popped_share ? Json(*row.popped_share) : Json()},
+          {"popped_area_share", row.popped_area_share ? Json(*row.popped_area_share) : Json()},
           {"resident_bytes", row.resident_bytes},
           {"bytes_read", row.bytes_read},
           {"cell", row.cell ? Json(index_of(*row.cell)) : Json()},
@@ -105,10 +111,12 @@ std::string plots(const FlightReport& report, const FlightPage& page) {
   svg += line_plot({{"fading", column(report, [](const FrameRow& r) { return double(r.nodes_fading); })}},
                    {.title = "Nodes drawn besides the front, for fades", .y_label = "count", .lines = {}});
   if (report.totals.popped_share_mean)
-    svg += line_plot({{"popped", column(report, [](const FrameRow& r) { return r.popped_share.value_or(0) * 1e6; })}},
-                     {.title = "Popped: pixels changed beyond what the camera's motion explains",
-                      .y_label = "per million",
-                      .lines = {}});
+    svg +=
+        line_plot({{"pixels", column(report, [](const FrameRow& r) { return r.popped_share.value_or(0) * 1e6; })},
+                   {"areas", column(report, [](const FrameRow& r) { return r.popped_area_share.value_or(0) * 1e6; })}},
+                  {.title = "Popped: pixels changed beyond what the camera's motion explains",
+                   .y_label = "per million",
+                   .lines = {}});
   svg += line_plot({{"response", column(report, [](const FrameRow& r) { return r.response_ms; })}},
                    {.title = "Response: from reading the pose to the finished picture", .y_label = "ms", .lines = {}});
   svg += line_plot({{"missing", column(report, [](const FrameRow& r) { return double(r.nodes_missing); })}},
@@ -150,10 +158,16 @@ std::string table_of(const FlightReport& report) {
       {"nodes missing, mean", fmt::format("{:.3f}", t.nodes_missing_mean)},
       {"one picture drawn twice deviates by",
        t.frame_noise_percent > 0 ? fmt::format("{:.1f} %", t.frame_noise_percent) : "not measured"},
+      {"the same, processor time",
+       t.frame_noise_percent > 0 ? fmt::format("{:.1f} %", t.frame_cpu_noise_percent) : "not measured"},
       {"popped pixels of a million, mean",
        t.popped_share_mean ? fmt::format("{:.0f}", *t.popped_share_mean * 1e6) : "not measured"},
+      {"popped areas of a million, mean",
+       t.popped_area_share_mean ? fmt::format("{:.0f}", *t.popped_area_share_mean * 1e6) : "not measured"},
       {"toggles a frame", fmt::format("{:.4f}", t.toggles_per_frame)},
       {"read from disk", fmt::format("{} in {} reads", human_bytes(t.bytes_read), t.reads)},
+      {"of this drawn before it left memory",
+       fmt::format("{:.0f} %", 100 * double(t.bytes_read_useful) / std::max(1.0, double(t.bytes_read)))},
       {"resident, peak", fmt::format("{} of {}", human_bytes(t.resident_bytes_peak), human_bytes(t.memory_bytes))},
       {"process memory, peak", human_bytes(t.peak_rss_bytes)},
       {"stalls", fmt::format("{}", t.stalls)}};
@@ -162,12 +176,7 @@ std::string table_of(const FlightReport& report) {
   return html_table(table, false);
 }
 
-}  // namespace
-
-EstimateError estimate_error(const FlightReport& report, bool with_feedback) {
-  const std::vector<double> errors = column(report, [&](const FrameRow& row) {
-    return estimate_error_percent(estimated_ms(row, with_feedback), row.frame_ms);
-  });
+EstimateError deviation_of(const std::vector<double>& errors) {
   if (errors.empty()) return {};
   double sum = 0, squares = 0;
   for (const double e : errors) sum += e, squares += e * e;
@@ -175,8 +184,23 @@ EstimateError estimate_error(const FlightReport& report, bool with_feedback) {
   return {mean, std::sqrt(std::max(0.0, squares / double(errors.size()) - mean * mean))};
 }
 
+}  // namespace
+
+EstimateError estimate_error(const FlightReport& report, bool with_feedback) {
+  return deviation_of(column(report, [&](const FrameRow& row) {
+    return estimate_error_percent(estimated_ms(row, with_feedback), row.frame_ms);
+  }));
+}
+
+EstimateError estimate_cpu_error(const FlightReport& report) {
+  return deviation_of(column(report, [](const FrameRow& row) {
+    return row.estimated_cpu_ms > 0 ? estimate_error_percent(row.estimated_cpu_ms, row.draw_cpu_ms) : 0;
+  }));
+}
+
 Json totals_json(const FlightReport& report) {
-  const EstimateError with = estimate_error(report, true), without = estimate_error(report, false);
+  const EstimateError with = estimate_error(report, true), without = estimate_error(report, false),
+                      cpu = estimate_cpu_error(report);
   const FlightTotals& t = report.totals;
   Json json = {{"frame_count", t.frames},
                {"frame_ms_mean", t.frame_ms_mean},
@@ -191,8 +215,16 @@ Json totals_json(const FlightReport& report) {
                {"toggles_loading", t.toggles_loading},
                {"nodes_fading_mean", t.nodes_fading_mean},
                {"frame_noise_percent", t.frame_noise_percent},
+               {"frame_cpu_noise_percent", t.frame_cpu_noise_percent},
+               {"draw_cpu_ms_mean", t.draw_cpu_ms_mean},
+               {"popped_area_share_mean", t.popped_area_share_mean ? Json(*t.popped_area_share_mean) : Json()},
+               {"popped_area_share_p99", t.popped_area_share_p99 ? Json(*t.popped_area_share_p99) : Json()},
                {"popped_share_mean", t.popped_share_mean ? Json(*t.popped_share_mean) : Json()},
                {"popped_share_p99", t.popped_share_p99 ? Json(*t.popped_share_p99) : Json()},
+               {"teleports", t.teleports.count},
+               {"teleports_unfinished", t.teleports.unfinished},
+               {"teleport_full_ms_mean", t.teleports.full_ms_mean},
+               {"teleport_full_ms_max", t.teleports.full_ms_max},
                {"cells_crossed", t.cells_crossed},
                {"delta_bytes_mean", t.delta_bytes_mean},
                {"delta_nodes_mean", t.delta_nodes_mean},
@@ -210,6 +242,8 @@ Json totals_json(const FlightReport& report) {
                {"memory_bytes", t.memory_bytes},
                {"estimate_error_percent_mean", with.mean_percent},
                {"estimate_error_percent_stddev", with.stddev_percent},
+               {"estimate_cpu_error_percent_mean", cpu.mean_percent},
+               {"estimate_cpu_error_percent_stddev", cpu.stddev_percent},
                {"estimate_without_feedback_error_percent_mean", without.mean_percent},
                {"estimate_without_feedback_error_percent_stddev", without.stddev_percent}};
   return json;

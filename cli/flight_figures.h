@@ -16,6 +16,8 @@ struct EstimateError {
   double mean_percent = 0, stddev_percent = 0;
 };
 EstimateError estimate_error(const FlightReport& report, bool with_feedback);
+/// The same of drawing alone, in processor time.
+EstimateError estimate_cpu_error(const FlightReport& report);
 
 /// The totals by their names.
 Json totals_json(const FlightReport& report);

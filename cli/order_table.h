@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cli/command.h"
-#include "layout/incidence.h"
+#include "layout/order_tour.h"
 
 namespace promenade {
 
@@ -14,12 +14,10 @@ namespace promenade {
 struct OrderTableRow {
   uint32_t columns = 0;
   uint64_t ones = 0, distinct_columns = 0;
-  bool generated = false;  ///< of a landscape, not of the model
-  double neighbours_s = 0, seed_s = 0, improve_s = 0;
-  /// Runs of these orders; a shuffled one is what no thought gives.
-  uint64_t shuffled = 0, input = 0, seed = 0, pass_1 = 0, end = 0;
-  uint64_t lower_bound = 0;  ///< 0: too many columns to tell
-  uint32_t passes = 0;
+  bool generated = false;              ///< of a landscape, not of the model
+  TourFigures greedy, from_bisection;  ///< the tour as published, and the default
+  uint64_t shuffled = 0, input = 0;    ///< runs of these orders; a shuffled one is what no thought gives
+  uint64_t lower_bound = 0;            ///< 0: too many columns to tell
 };
 
 /// For 500, 1000, 3000, 9000, 27000, 100000, 300000 and a million columns, up to most_columns. of_model: a matrix of so

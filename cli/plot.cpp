@@ -67,16 +67,22 @@ std::string grid(const Axes& axes, const PlotOptions& options) {
         "text-anchor=end>{5}</text>\n",
         kLeft, kWidth - kRight, axes.py(v), kLeft - 6, axes.py(v) + 4, tick_text(std::abs(v) < step * 1e-9 ? 0 : v));
   const double x_step = std::max(1.0, tick_step(double(std::max<size_t>(axes.count, 2) - 1)));
-  for (double x = 0; x < double(axes.count); x += x_step)
-    svg += fmt::format("<text x={:.1f} y={:.0f} text-anchor=middle>{}</text>\n", axes.px(x), kHeight - kBottom + 16,
-                       tick_text(x));
+  const auto tick = [&](double x, const std::string& text, const char* anchor) {
+    svg += fmt::format("<text x={:.1f} y={:.0f} text-anchor={}>{}</text>\n", axes.px(x), kHeight - kBottom + 16, anchor,
+                       escaped(text));
+  };
+  for (size_t i = 0; i < options.ticks.size(); ++i) {
+    const bool alone = options.ticks.size() == 1;
+    tick(double(i), options.ticks[i], alone ? "middle" : i == 0 ? "start" : i + 1 == axes.count ? "end" : "middle");
+  }
+  for (double x = 0; options.ticks.empty() && x < double(axes.count); x += x_step) tick(x, tick_text(x), "middle");
   svg += fmt::format("<text x={:.0f} y={:.0f} text-anchor=end>{}</text>\n", kWidth - kRight, kHeight - 4,
                      escaped(options.x_label));
   return svg;
 }
 
 /// Polyline of a series; where several frames share a pixel column, its lowest and highest value.
-std::string curve(const PlotSeries& series, const Axes& axes, const char* color) {
+std::string curve(const PlotSeries& series, const Axes& axes, const char* color, bool dots) {
   const size_t columns = static_cast<size_t>(kPlotWidth);
   const size_t stride = std::max<size_t>(1, (series.values.size() + columns - 1) / columns);
   std::string points, svg;
@@ -96,6 +102,10 @@ std::string curve(const PlotSeries& series, const Axes& axes, const char* color)
     if (stride > 1) points += fmt::format("{:.1f},{:.1f} ", axes.px(double(i)), axes.py(range.low));
   }
   flush();
+  for (size_t i = 0; dots && i < series.values.size(); ++i)
+    if (std::isfinite(series.values[i]))
+      svg += fmt::format("<circle cx={:.1f} cy={:.1f} r=3 fill=\"{}\" />\n", axes.px(double(i)),
+                         axes.py(series.values[i]), color);
   return svg;
 }
 
@@ -169,7 +179,8 @@ std::string line_plot(const std::vector<PlotSeries>& series, const PlotOptions& 
         "<line class=bound x1={0:.0f} x2={1:.0f} y1={2:.1f} y2={2:.1f} /><text x={1:.0f} y={3:.1f} "
         "text-anchor=end>{4}</text>\n",
         kLeft, kWidth - kRight, axes.py(value), axes.py(value) - 4, escaped(name));
-  for (size_t i = 0; i < series.size(); ++i) svg += curve(series[i], axes, kColors[i % kColors.size()]);
+  for (size_t i = 0; i < series.size(); ++i)
+    svg += curve(series[i], axes, kColors[i % kColors.size()], !options.ticks.empty());
   double x = kWidth - kRight;
   for (size_t i = series.size(); series.size() > 1 && i-- > 0;) {
     svg += fmt::format("<text x={:.0f} y=16 text-anchor=end style=\"fill:{}\">{}</text>\n", x,

@@ -17,6 +17,7 @@ struct PlotOptions {
   std::string x_label = "frame";
   std::vector<std::pair<std::string, double>> lines;  ///< horizontal lines: a target, a bound
   bool from_zero = true;                              ///< the y axis starts at 0
+  std::vector<std::string> ticks = {};                ///< names of the values along x, and dots at them; empty: numbers
 };
 
 /// One plot, 860 x 260 px, readable in light and dark pages. Long series are drawn as the range of each pixel column,

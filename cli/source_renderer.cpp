@@ -22,13 +22,18 @@ std::vector<Image> decode_textures(const Scene& scene) {
 }
 
 /// Adds a scene to what the renderer holds. Instances are numbered on from first_instance.
-Status add_scene(const Scene& scene, const glm::dvec3& origin, uint32_t first_instance, BruteForceScene& portion) {
+Status add_scene(const Scene& scene, const glm::dvec3& origin, double time_s, uint32_t first_instance,
+                 BruteForceScene& portion) {
+  const std::vector<glm::dmat4> poses = poses_at(scene.animation, time_s);
   const glm::dmat4 model_from_world = glm::translate(glm::dmat4(1.0), -origin);
   std::vector<PlacedMesh> placed;
   placed.reserve(scene.instances.size());
-  for (const SceneInstance& instance : scene.instances)
+  for (const SceneInstance& instance : scene.instances) {
+    const glm::dmat4 world_from_mesh =
+        instance.joint == kNoJoint ? instance.world_from_mesh : poses[instance.joint] * instance.joint_from_mesh;
     placed.push_back({instance.mesh, NodeId{first_instance + static_cast<uint32_t>(placed.size())},
-                      glm::mat4(model_from_world * instance.world_from_mesh)});
+                      glm::mat4(model_from_world * world_from_mesh)});
+  }
   return portion.add(scene.meshes, scene.materials, decode_textures(scene), placed);
 }
 
@@ -98,7 +103,7 @@ Result<std::vector<Frame>> render_source(const SourceRenderOptions& options, Ren
     for (const std::string& warning : scene->report.warnings) monitor.warning(warning);
     if (!origin && !scene->instances.empty()) origin = origin_of(*scene);
     figures.triangles += triangles_of(*scene);
-    PROMENADE_TRY(add_scene(*scene, origin.value_or(glm::dvec3(0)), instances_seen, portion));
+    PROMENADE_TRY(add_scene(*scene, origin.value_or(glm::dvec3(0)), options.time_s, instances_seen, portion));
     instances_seen += static_cast<uint32_t>(scene->instances.size());
     if (renderer.bytes() < options.memory_bytes && i + 1 < parts->size()) continue;
     PROMENADE_TRY(draw_portion(options, portion, origin.value_or(glm::dvec3(0)), renderer, frames, draw_s));

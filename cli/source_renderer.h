@@ -17,6 +17,7 @@ struct SourceRenderOptions {
   ImportOptions import;
   std::vector<Camera> cameras;  ///< all of one size
   Aov aov = Aov::color;         ///< node: the instance's number
+  double time_s = 0;            ///< of animated objects
   FrameView look;               ///< light and background; its camera and origin are not used
   uint64_t memory_bytes =
       uint64_t(4) << 30;  ///< for what the renderer holds at a time; a larger source is drawn in portions

@@ -145,9 +145,10 @@ std::vector<LayoutRow> rows_of(const OrderStudy& study, const std::vector<MadeOr
     rows.push_back(study.row_of(made, {}));
     rows.back().is_default = made.name == NodeOrderOptions().name;
   }
-  const MadeOrder& best = best_of(orders);
-  rows.push_back(study.row_of(best, {"+useful", arguments.useful, 0}));
-  rows.push_back(study.row_of(best, {"+copies", 0, arguments.copies}));
+  const MadeOrder& chosen = *std::find_if(orders.begin(), orders.end(),
+                                          [](const MadeOrder& made) { return made.name == NodeOrderOptions().name; });
+  rows.push_back(study.row_of(chosen, {"+useful", arguments.useful, 0}));
+  rows.push_back(study.row_of(chosen, {"+copies", 0, arguments.copies}));
   rows.push_back(study.row_by_step());
   return rows;
 }

@@ -57,6 +57,15 @@ Result<PixelSize> parse_size(const std::string& text) {
   return PixelSize{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
 }
 
+Result<std::pair<std::string, double>> parse_weight(const std::string& text) {
+  const size_t at = text.rfind('=');
+  double weight = 0;
+  if (at == std::string::npos || !read_number(std::string_view(text).substr(at + 1), weight) || weight < 0 ||
+      weight > 1)
+    return Error{fmt::format("\"{}\" is no weight: write it like chair=0.25, from 0 to 1", text)};
+  return std::pair(text.substr(0, at), weight);
+}
+
 Result<Pose> parse_pose(const std::string& text) {
   std::vector<double> numbers;
   for (size_t begin = 0; begin <= text.size();) {

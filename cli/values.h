@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "geometry/camera.h"
 #include "geometry/result.h"
@@ -20,5 +21,8 @@ Result<PixelSize> parse_size(const std::string& text);
 
 /// "x,y,z,yaw,pitch" (metres, degrees), optionally ",roll".
 Result<Pose> parse_pose(const std::string& text);
+
+/// "chair=0.25": a name (it may hold "=") and a weight from 0 to 1.
+Result<std::pair<std::string, double>> parse_weight(const std::string& text);
 
 }  // namespace promenade

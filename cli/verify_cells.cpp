@@ -12,6 +12,7 @@
 #include "cli/node_picture.h"
 #include "preprocess/visibility/hider_chain.h"
 #include "preprocess/visibility/study_cells.h"
+#include "preprocess/visibility/visibility.h"
 
 namespace promenade {
 namespace {
@@ -36,7 +37,9 @@ class Answers {
     if (!options_.hiders.empty()) {
       const Result<std::vector<std::string>> names = parse_hiders(options_.hiders);
       if (!names) return names.error();
-      Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*names, reader_, HiderBuildOptions(), monitor);
+      const Result<std::vector<std::string>> chain = chain_for_model(*names, reader_, monitor);
+      if (!chain) return chain.error();
+      Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*chain, reader_, HiderBuildOptions(), monitor);
       if (!hiders) return hiders.error();
       hiders_ = std::move(*hiders);
     }
@@ -143,9 +146,16 @@ Status verify_cells(const VerifyCellsOptions& options, const ModelReader& reader
   if (monitor.cancelled()) return Error{"interrupted"};
   Totals totals;
   const CheckedCell* worst = nullptr;
+  const glm::dvec3& origin = reader.model().manifest.origin;
+  figures["missed"] = Json::array();
   for (const std::optional<Result<CheckedCell>>& cell : checked) {
     if (!cell->ok()) return cell->error();
     totals.add(**cell);
+    for (const MissedRay& ray : (*cell)->looks.missed) {
+      const glm::dvec3 eye = ray.eye + origin, at = ray.at + origin;
+      figures["missed"].push_back(
+          {{"node", index_of(ray.node)}, {"eye", {eye.x, eye.y, eye.z}}, {"at", {at.x, at.y, at.z}}});
+    }
     if (worst == nullptr || (*cell)->looks.worst_pixels > worst->looks.worst_pixels) worst = &**cell;
   }
   const double ratio = totals.ratios == 0 ? 0 : totals.ratio_sum / double(totals.ratios);
@@ -170,6 +180,8 @@ Status verify_cells(const VerifyCellsOptions& options, const ModelReader& reader
       totals.false_nodes, totals.false_pixels, crack_pixels, totals.slit_pixels);
   if (!options.picture.empty() && worst != nullptr && worst->looks.worst_pixels > 0)
     PROMENADE_TRY(draw_worst(**meshes, *worst, options.picture));
+  for (const Json& ray : figures["missed"])
+    fmt::print("  hidden node {} is seen from {} at {}\n", ray["node"].dump(), ray["eye"].dump(), ray["at"].dump());
   if (totals.missed_nodes > 0)
     return Error{fmt::format("{}: {} hidden nodes can be seen at full detail, too ({} pixels)", options.model.string(),
                              totals.missed_nodes, totals.missed_pixels)};

@@ -95,9 +95,13 @@ Result<std::vector<Camera>> path_cameras(const VerifySourceOptions& options) {
 Result<ClosestPointTree> surface_of(const ModelReader& reader, std::span<const NodeId> front) {
   std::vector<glm::vec3> positions;
   std::vector<uint32_t> indices;
+  const Model& model = reader.model();
+  const std::vector<glm::dmat4> moving = model_from_objects(model, 0);
   for (const NodeId id : front) {
-    const Result<Mesh> mesh = reader.read_mesh(id);
+    Result<Mesh> mesh = reader.read_mesh(id);
     if (!mesh) return mesh.error();
+    if (model.is_moving(id))
+      mesh = transformed(*mesh, moving[model.objects.moving_nodes[index_of(id) - model.first_moving_node()].object]);
     const auto first = static_cast<uint32_t>(positions.size());
     positions.insert(positions.end(), mesh->positions.begin(), mesh->positions.end());
     indices.reserve(indices.size() + mesh->indices.size());

@@ -19,6 +19,9 @@ namespace promenade {
 
 Result<std::unique_ptr<VideoWriter>> VideoWriter::start(const std::filesystem::path& file, uint32_t width_px,
                                                         uint32_t height_px, double frames_per_s) {
+  // Beside its place and with its ending, from which ffmpeg takes the format.
+  const std::filesystem::path unfinished =
+      file.parent_path() / fmt::format(".{}.{}{}", file.stem().string(), getpid(), file.extension().string());
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return Error{fmt::format("video: no pipe: {}", std::strerror(errno))};
   // yuv420p is what players play; it needs even sides.
@@ -40,7 +43,7 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::start(const std::filesystem::p
                                     "pad=ceil(iw/2)*2:ceil(ih/2)*2",
                                     "-pix_fmt",
                                     "yuv420p",
-                                    "file:" + file.string()};
+                                    "file:" + unfinished.string()};
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
@@ -58,11 +61,14 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::start(const std::filesystem::p
                                   : fmt::format("video: ffmpeg: {}", std::strerror(failed))};
   }
   std::signal(SIGPIPE, SIG_IGN);  // an ffmpeg that gives up is an error of write(), not our end
-  return std::unique_ptr<VideoWriter>(new VideoWriter(ends[1], process, size_t(width_px) * height_px * 4));
+  return std::unique_ptr<VideoWriter>(
+      new VideoWriter(file, unfinished, ends[1], process, size_t(width_px) * height_px * 4));
 }
 
 VideoWriter::~VideoWriter() {
   if (process_ > 0) static_cast<void>(wait());
+  std::error_code gone;  // it is, once it has its name
+  std::filesystem::remove(unfinished_, gone);
 }
 
 Status VideoWriter::add(const Image& frame) {
@@ -78,7 +84,13 @@ Status VideoWriter::add(const Image& frame) {
   return Done{};
 }
 
-Status VideoWriter::finish() { return wait(); }
+Status VideoWriter::finish() {
+  PROMENADE_TRY(wait());
+  std::error_code failed;
+  std::filesystem::rename(unfinished_, file_, failed);
+  if (failed) return Error{fmt::format("{}: {}", file_.string(), failed.message())};
+  return Done{};
+}
 
 Status VideoWriter::wait() {
   close(pipe_);

@@ -11,7 +11,8 @@
 
 namespace promenade {
 
-/// Pipes frames to ffmpeg, which takes the format from the file's ending. One thread.
+/// Pipes frames to ffmpeg, which takes the format from the file's ending. The file gets its name when it is whole. One
+/// thread.
 class VideoWriter {
  public:
   /// Errors: no ffmpeg (the message says which package has it), no more processes.
@@ -23,14 +24,19 @@ class VideoWriter {
 
   /// frame: of the size given. Errors: ffmpeg has given up (its own message is on standard error).
   Status add(const Image& frame);
-  /// Ends the video; without it the file may be incomplete. Errors: ffmpeg's exit status.
+  /// Ends the video and names it; without it there is none. Errors: ffmpeg's exit status, the file's name.
   Status finish();
 
  private:
-  VideoWriter(int pipe, pid_t process, size_t frame_bytes)
-      : pipe_(pipe), process_(process), frame_bytes_(frame_bytes) {}
+  VideoWriter(std::filesystem::path file, std::filesystem::path unfinished, int pipe, pid_t process, size_t frame_bytes)
+      : file_(std::move(file)),
+        unfinished_(std::move(unfinished)),
+        pipe_(pipe),
+        process_(process),
+        frame_bytes_(frame_bytes) {}
   Status wait();
 
+  std::filesystem::path file_, unfinished_;
   int pipe_;
   pid_t process_;
   size_t frame_bytes_;

@@ -165,11 +165,29 @@ void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_poli
   app.add_option("--disk-seek-ms", loader.disk_seek_ms, "Emulated time of a read elsewhere, ms")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_option(
+         "--along-share", loader.along_share,
+         "Part of the most important node's priority at which a node that lies where the disk is goes first (0: "
+         "never)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--error-hysteresis", select.error_hysteresis,
                  "Part of --pixel-error by which a finer level must be finer than asked for before it is given up")
       ->check(CLI::Range(0.0, 0.9))
       ->capture_default_str();
   add_benefit_options(app, select.benefit);
+  app.add_option_function<std::vector<std::string>>(
+         "--class-weight",
+         [&options](const std::vector<std::string>& given) {
+           for (const std::string& one : given) {
+             const Result<std::pair<std::string, double>> weight = parse_weight(one);
+             if (!weight) throw CLI::ValidationError("--class-weight", weight.error().message);
+             options.session.class_weights.insert_or_assign(weight->first, weight->second);
+           }
+         },
+         "How much what the source calls CLASS matters (info MODEL lists them; others: 1)")
+      ->type_name("CLASS=WEIGHT")
+      ->delimiter(',');
   CLI::Option_group* group = app.add_option_group("time slices", "Constants of the time-slices and lakhia policies");
   group->add_option("--hysteresis-switch", time.hysteresis_switch, "Threshold at which a node's level changes")
       ->capture_default_str();

@@ -33,6 +33,8 @@ constexpr uint64_t kMostBlocks = 4'000'000;
 constexpr double kBytesPerUniqueTriangle = 24;  // measured: 22 to 30
 constexpr uint32_t kLargestTexturePx = 8192;
 constexpr int kJpegQuality = 85;
+constexpr int kTrafficLevel = 2;  // of detail: about 9 thousand triangles a car, so that it has levels of its own
+constexpr uint32_t kMostMoving = 100'000;
 
 struct Limit {
   const char* name;
@@ -66,6 +68,8 @@ Status check(const CityOptions& o) {
   if (o.tile_triangles < kFewestTriangles)
     return Error{
         fmt::format("city: tiles of {} triangles are too small: at least {}", o.tile_triangles, kFewestTriangles)};
+  if (o.moving > kMostMoving)
+    return Error{fmt::format("city: {} moving cars are too many: at most {}", o.moving, kMostMoving)};
   if (o.blocks_x > kMostBlocks || o.blocks_y > kMostBlocks || uint64_t(o.blocks_x) * o.blocks_y > kMostBlocks)
     return Error{fmt::format("city: {} x {} blocks are too many: at most {}", o.blocks_x, o.blocks_y, kMostBlocks)};
   const double narrow = std::min(o.block_length_m, o.block_width_m);
@@ -194,6 +198,9 @@ Status CityWriter::take(Work& work) {
   PROMENADE_TRY(open_tile_->add(work.block, work.x, work.y, work.facades, props_, figures_));
   monitor_.progress("city", ++done_, uint64_t(tiling_.blocks_x) * tiling_.blocks_y);
   if (!work.last_of_tile) return Done{};
+  // All traffic is in the last file: cars leave their tiles.
+  if (budget_.options.moving > 0 && work.tile + 1 == tiling_.tiles_x() * tiling_.tiles_y())
+    PROMENADE_TRY(open_tile_->add_traffic(traffic_of(plan_, budget_.options.moving, kTrafficLevel), props_, figures_));
   PROMENADE_TRY(open_tile_->finish());
   open_tile_.reset();
   std::error_code failed;

@@ -25,6 +25,7 @@ struct CityOptions {
   double street_width_m = 14, street_height_m = 0;
   double curb_width_m = 2.5, curb_height_m = 0.15;
   double tree_distance_m = 12;          ///< 0: no trees
+  uint32_t moving = 0;                  ///< cars that drive: animated objects, beyond `triangles`
   bool interiors = false;               ///< furnished rooms behind the windows
   double texture_megapixels = 0;        ///< unique facade textures, all together; 0: colours only
   uint64_t tile_triangles = 1'000'000;  ///< a city larger than this is written as a folder of tiles of about this size

@@ -7,21 +7,9 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <optional>
 
+#include "geometry/animation.h"
+
 namespace promenade {
-namespace {
-
-DBox moved_box(const Box& box, const glm::dmat4& world_from_mesh) {
-  DBox result;
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec4 corner((i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
-                            (i & 4) != 0 ? box.max.z : box.min.z, 1);
-    result.add(glm::dvec3(world_from_mesh * corner));
-  }
-  return result;
-}
-
-}  // namespace
-
 Result<CityTile> CityTile::create(const std::filesystem::path& path) {
   Result<GlbWriter> writer = GlbWriter::create(path, "Promenade city generator");
   if (!writer) return writer.error();
@@ -50,29 +38,42 @@ Status CityTile::add_object(const UniqueObject& object, const EncodedFacade& fac
   if (!index) return index.error();
   const glm::dmat4 place = glm::translate(glm::dmat4(1), object.origin);
   writer_.add_node(object.name, object.class_name, *index, place);
-  figures.box.add(moved_box(bounds(mesh), place));
+  figures.box.add(transformed_box(bounds(mesh), place));
   figures.triangles += mesh.triangle_count(), figures.unique_triangles += mesh.triangle_count();
   ++figures.objects;
   if (object.class_name == "building") ++figures.buildings;
   return Done{};
 }
 
+Result<uint32_t> CityTile::mesh_of(const PropKind& kind, PropLibrary& props, CityFigures& figures) {
+  const Mesh& mesh = props.mesh(kind);
+  figures.triangles += mesh.triangle_count();
+  ++figures.objects;
+  if (const auto known = mesh_of_.find(kind); known != mesh_of_.end()) return known->second;
+  const Result<uint32_t> added = writer_.add_mesh(fmt::format("{}_{}", name_of(kind.prop), kind.variant), mesh);
+  if (!added) return added;
+  mesh_of_.emplace(kind, *added);
+  figures.unique_triangles += mesh.triangle_count();
+  return added;
+}
+
 Status CityTile::add_prop(const PropInstance& prop, const std::string& name, PropLibrary& props, CityFigures& figures) {
-  const Mesh& mesh = props.mesh(prop.kind);
-  auto known = mesh_of_.find(prop.kind);
-  if (known == mesh_of_.end()) {
-    const std::string mesh_name = fmt::format("{}_{}", name_of(prop.kind.prop), prop.kind.variant);
-    const Result<uint32_t> added = writer_.add_mesh(mesh_name, mesh);
-    if (!added) return added.error();
-    known = mesh_of_.emplace(prop.kind, *added).first;
-    figures.unique_triangles += mesh.triangle_count();
-  }
+  const Result<uint32_t> mesh = mesh_of(prop.kind, props, figures);
+  if (!mesh) return mesh.error();
   glm::dmat4 place = glm::translate(glm::dmat4(1), prop.position);
   place = glm::rotate(place, prop.yaw_rad, glm::dvec3(0, 0, 1));
   place = glm::scale(place, glm::dvec3(prop.scale));
-  writer_.add_node(name, name_of(prop.kind.prop), known->second, place);
-  figures.triangles += mesh.triangle_count();
-  ++figures.objects;
+  writer_.add_node(name, name_of(prop.kind.prop), *mesh, place);
+  return Done{};
+}
+
+Status CityTile::add_traffic(const std::vector<MovingCar>& cars, PropLibrary& props, CityFigures& figures) {
+  for (size_t i = 0; i < cars.size(); ++i) {
+    const Result<uint32_t> mesh = mesh_of(cars[i].kind, props, figures);
+    if (!mesh) return mesh.error();
+    PROMENADE_TRY(
+        writer_.add_moving_node(fmt::format("traffic_{}", i), name_of(cars[i].kind.prop), *mesh, cars[i].motion));
+  }
   return Done{};
 }
 

@@ -6,6 +6,7 @@
 
 #include "datasets/city.h"
 #include "datasets/city_block.h"
+#include "datasets/city_traffic.h"
 #include "datasets/glb_writer.h"
 
 namespace promenade {
@@ -23,11 +24,14 @@ class CityTile {
   /// facades: by object; empty where an object has none. Counts what it writes in `figures`.
   Status add(const CityBlock& block, uint32_t x, uint32_t y, const std::vector<EncodedFacade>& facades,
              PropLibrary& props, CityFigures& figures);
+  Status add_traffic(const std::vector<MovingCar>& cars, PropLibrary& props, CityFigures& figures);
   Status finish() { return writer_.finish(); }
 
  private:
   explicit CityTile(GlbWriter writer) : writer_(std::move(writer)) {}
   Status add_object(const UniqueObject& object, const EncodedFacade& facade, CityFigures& figures);
+  /// Counts an instance of the mesh, too.
+  Result<uint32_t> mesh_of(const PropKind& kind, PropLibrary& props, CityFigures& figures);
   Status add_prop(const PropInstance& prop, const std::string& name, PropLibrary& props, CityFigures& figures);
 
   GlbWriter writer_;

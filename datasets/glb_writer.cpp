@@ -77,7 +77,7 @@ struct GlbWriter::State {
   std::filesystem::path path;
   std::string generator;
   GlbSpool spool;
-  JsonArray views, accessors, meshes, nodes, materials, images, textures, samplers;
+  JsonArray views, accessors, meshes, nodes, materials, images, textures, samplers, animations;
   std::vector<bool> textured;                                    ///< by material
   std::map<std::pair<Wrap, Wrap>, uint32_t> sampler_of;          ///< by wrap
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> texture_of;  ///< by image, sampler
@@ -183,7 +183,8 @@ std::string GlbWriter::State::json() const {
     if (array.count > 0) text += fmt::format(",\n\"{}\":[{}]", name, array.text);
   };
   add("nodes", nodes), add("meshes", meshes), add("materials", materials), add("textures", textures);
-  add("samplers", samplers), add("images", images), add("accessors", accessors), add("bufferViews", views);
+  add("samplers", samplers), add("images", images), add("animations", animations), add("accessors", accessors),
+      add("bufferViews", views);
   if (spool.size() > 0) text += fmt::format(",\n\"buffers\":[{{\"byteLength\":{}}}]", spool.size());
   text += "}";
   text.resize((text.size() + 3) / 4 * 4, ' ');
@@ -199,7 +200,7 @@ Result<GlbWriter> GlbWriter::create(const std::filesystem::path& path, std::stri
   Result<GlbSpool> spool = GlbSpool::create(path);
   if (!spool) return spool.error();
   auto state = std::unique_ptr<State>(
-      new State{path, std::string(generator), std::move(*spool), {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}});
+      new State{path, std::string(generator), std::move(*spool), {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}});
   return GlbWriter(std::move(state));
 }
 
@@ -277,6 +278,40 @@ void GlbWriter::add_node(std::string_view name, std::string_view class_name, uin
     item += fmt::format(R"(,"translation":[{},{},{}])", m[3].x + 0.0, m[3].y + 0.0, m[3].z + 0.0);
   }
   state_->nodes.add(item + "}");
+}
+
+Status GlbWriter::add_moving_node(std::string_view name, std::string_view class_name, uint32_t mesh,
+                                  const NodeMotion& motion) {
+  State& s = *state_;
+  const size_t keys = motion.times_s.size();
+  if (keys < 2 || motion.places.size() != keys || motion.yaws_rad.size() != keys)
+    return Error{fmt::format("{}: node {}: a motion of {} times, {} places and {} turns", s.path.string(), name, keys,
+                             motion.places.size(), motion.yaws_rad.size())};
+  std::vector<glm::vec3> places;
+  std::vector<std::array<float, 4>> turns;
+  places.reserve(keys), turns.reserve(keys);
+  for (const glm::vec3& place : motion.places) places.push_back(y_up(place));
+  for (const float yaw : motion.yaws_rad) turns.push_back({0, std::sin(yaw / 2), 0, std::cos(yaw / 2)});
+  const auto add = [&](const auto& values, std::string_view type, std::string_view more = {}) {
+    return s.add_accessor(std::as_bytes(std::span(values)), Target::none, Component::float_32, keys, type, more);
+  };
+  const Result<uint32_t> times =
+      add(motion.times_s, "SCALAR",
+          fmt::format(R"(,"min":[{}],"max":[{}])", motion.times_s.front(), motion.times_s.back()));
+  if (!times) return times.error();
+  const Result<uint32_t> translations = add(places, "VEC3"), rotations = add(turns, "VEC4");
+  if (!translations) return translations.error();
+  if (!rotations) return rotations.error();
+  const uint32_t node = s.nodes.add(fmt::format(
+      R"({{"name":{},"extras":{{"class":{}}},"mesh":{},"translation":[{},{},{}],"rotation":[{},{},{},{}]}})",
+      json_text(name), json_text(class_name), mesh, places[0].x, places[0].y, places[0].z, turns[0][0], turns[0][1],
+      turns[0][2], turns[0][3]));
+  s.animations.add(
+      fmt::format(R"({{"name":{0},"samplers":[{{"input":{1},"output":{2}}},{{"input":{1},"output":{3}}}],"channels":[)"
+                  R"({{"sampler":0,"target":{{"node":{4},"path":"translation"}}}},{{"sampler":1,"target":{{"node":{4},)"
+                  R"("path":"rotation"}}}}]}})",
+                  json_text(name), *times, *translations, *rotations, node));
+  return Done{};
 }
 
 Status GlbWriter::finish() {

@@ -7,11 +7,19 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "geometry/mesh.h"
 #include "geometry/result.h"
 
 namespace promenade {
+
+/// Where a node is over time, upright: linear between the keys, over and over.
+struct NodeMotion {
+  std::vector<float> times_s;     ///< ascending from 0; at least two
+  std::vector<glm::vec3> places;  ///< by key, metres, z up
+  std::vector<float> yaws_rad;    ///< by key, counter-clockwise; less than half a turn from one to the next
+};
 
 /// One .glb file, published atomically by finish(). Coordinates are given z up in metres; the file is y up as glTF
 /// demands (x, z, -y), positions and transforms turned here. Index 0 is the first material, mesh, ... added. One
@@ -30,6 +38,9 @@ class GlbWriter {
   Result<uint32_t> add_mesh(std::string_view name, const Mesh& mesh);
   /// A node that shows a mesh. class_name goes to extras.class.
   void add_node(std::string_view name, std::string_view class_name, uint32_t mesh, const glm::dmat4& world_from_mesh);
+
+  /// A node that moves: an animation of its own.
+  Status add_moving_node(std::string_view name, std::string_view class_name, uint32_t mesh, const NodeMotion& motion);
 
   /// Errors: disk full, more than 4 GiB (glTF's limit: use tiles).
   Status finish();

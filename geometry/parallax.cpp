@@ -6,8 +6,8 @@
 // which grows with s while s^2 < (q - c) (p - c), and with c: outside a ball about the cube, the cube's corners see the
 // most. [xiong1996] takes the ray along an axis, where the four corners of a face have c = v / 2 and s = v / sqrt(2).
 // But a ray that turns away from one corner by a little loses nothing of c in first order and gains s in first order:
-// the worst ray has the direction (1, -e, -e) with e near 0.22, and sees (1 + e) / sqrt(1 + 2 e^2) = 1.11 times as
-// much. So `everywhere` searches all rays.
+// the worst ray has the direction (1, -e, -e) with e near 0.22, and sees (1 + e) / (1 + 2 e^2) = 1.11 times as much: s
+// grows by 1 + e over the ray's length, and so does the distance of the box's side. So `everywhere` searches all rays.
 #include "geometry/parallax.h"
 
 #include <fmt/format.h>

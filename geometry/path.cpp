@@ -26,6 +26,24 @@ Pose pose_at(const CameraPath& path, double t_s) {
           mix(a.pose.roll_deg, b.pose.roll_deg)};
 }
 
+CameraPath stops_along(const CameraPath& path, double stay_s, double seconds) {
+  CameraPath stops;
+  stops.fps = path.fps;
+  if (path.keys.empty()) return stops;
+  const double frame_s = 1 / path.fps, whole_s = seconds > 0 ? seconds : path.duration_s();
+  const double stay = std::max(std::round(stay_s * path.fps), 1.0) * frame_s;
+  const auto count = static_cast<size_t>(std::clamp(std::floor(whole_s / stay + 1e-9), 1.0, 1e6));
+  stops.keys.reserve(2 * count);
+  for (size_t i = 0; i < count; ++i) {
+    const double at = count > 1 ? double(i) / double(count - 1) * path.duration_s() : 0;
+    const Pose pose = pose_at(path, path.keys.front().t_s + at);
+    const double from = double(i) * stay;
+    stops.keys.push_back({from, pose});
+    if (stay > 1.5 * frame_s) stops.keys.push_back({from + stay - frame_s, pose});
+  }
+  return stops;
+}
+
 Pose pose_of_frame(const CameraPath& path, uint32_t frame) {
   return path.keys.empty() ? Pose{} : pose_at(path, path.keys.front().t_s + double(frame) / path.fps);
 }

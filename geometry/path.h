@@ -28,6 +28,11 @@ struct CameraPath {
 Pose pose_at(const CameraPath& path, double t_s);
 Pose pose_of_frame(const CameraPath& path, uint32_t frame);
 
+/// Stands stay_s (at least a frame) at one place of the path after the other, the next as far on in its time as makes
+/// the last stay end with it, and jumps between them: what teleports are tried with. It lasts `seconds`; 0: as long as
+/// the path.
+CameraPath stops_along(const CameraPath& path, double stay_s, double seconds);
+
 /// Reads {"fps": 30, "keys": [{"t", "eye": [x,y,z], "yaw_deg", "pitch_deg", "roll_deg"?}]}. Unknown names are ignored.
 /// Refuses: no keys, times that do not ascend, numbers that are not finite. `name` is what the message calls the text.
 Result<CameraPath> parse_path(std::string_view json, const std::string& name);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "codec/id_set_block.h"
+#include "layout/cell_faces.h"
 #include "layout/section_list.h"
 
 namespace promenade {
@@ -92,6 +93,12 @@ Status check_header(std::span<const std::byte> header) {
   return Done{};
 }
 
+/// Faces that follow from the cells are not stored.
+void drop_faces(CellTables& tables) {
+  tables.faces.clear(), tables.faces_of_cells.clear(), tables.portals.clear();
+  for (CellRecord& cell : tables.cells) cell.first_face = cell.face_count = 0;
+}
+
 std::string find_vlod_defect(const CellsFile& file, uint64_t vlods_end) {
   if (file.vlod_nodes.size() != file.tables.cells.size())
     return fmt::format("{} cells with {} vLODs", file.tables.cells.size(), file.vlod_nodes.size());
@@ -119,7 +126,8 @@ std::string find_vlod_defect(const CellsFile& file, uint64_t vlods_end) {
 
 }  // namespace
 
-EncodedCells encode_cells(const CellsFile& file, uint64_t sections_offset) {
+EncodedCells encode_cells(CellsFile file, uint64_t sections_offset) {
+  if (faces_follow(file.tables)) drop_faces(file.tables);
   ByteWriter list;
   SectionWriter writer(sections_offset);
   for_each_section(file, [&](const SectionKind& kind, const auto& table) {
@@ -180,6 +188,7 @@ Result<CellsFile> decode_cells(std::span<const std::byte> header, std::span<cons
   std::string defect = find_defect(file.tables);
   if (defect.empty()) defect = find_vlod_defect(file, *begin);
   if (!defect.empty()) return Error{defect};
+  if (file.tables.faces.empty()) PROMENADE_TRY(find_faces(file.tables));
   return file;
 }
 

@@ -9,7 +9,7 @@
 
 namespace promenade {
 
-constexpr uint32_t kCellsVersion = 2;
+constexpr uint32_t kCellsVersion = 3;
 constexpr uint64_t kCellsHeaderBytes = 312;
 
 /// What stands around the vLODs in cells.bin.
@@ -25,7 +25,7 @@ struct EncodedCells {
   std::vector<std::byte> sections;  ///< from sections_offset to the file's end, as stored
 };
 /// sections_offset: where the vLODs end, a multiple of 8.
-EncodedCells encode_cells(const CellsFile& file, uint64_t sections_offset);
+EncodedCells encode_cells(CellsFile file, uint64_t sections_offset);
 
 /// Where the sections begin, from a header that is sound by itself.
 Result<uint64_t> sections_offset_of(std::span<const std::byte> header, uint64_t file_bytes);

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "codec/frame.h"
+#include "layout/model_folder.h"
 
 namespace promenade {
 namespace {
@@ -138,7 +140,9 @@ std::string manifest_text(const StoredManifest& stored) {
   const ModelManifest& m = stored.manifest;
   Json json;
   json["format"] = kFormat;
-  json["version"] = ModelManifest::kVersion;
+  const bool objects =
+      std::any_of(m.files.begin(), m.files.end(), [](const auto& f) { return f.name == kObjectsName; });
+  json["version"] = objects ? ModelManifest::kVersion : ModelManifest::kVersionPlain;
   json["tool_version"] = m.tool_version;
   json["input_hash"] = fmt::format("{:016x}", m.input_hash);
   json["origin_m"] = json_of(m.origin);
@@ -168,7 +172,7 @@ Result<StoredManifest> parse_manifest(std::string_view text) {
   if (format == json.end() || *format != kFormat) return Error{fmt::format("\"format\" is not \"{}\"", kFormat)};
   const auto version = json.find("version");
   if (version == json.end() || !version->is_number_unsigned()) return Error{"\"version\" is missing"};
-  if (version->get<uint64_t>() != ModelManifest::kVersion)
+  if (version->get<uint64_t>() < ModelManifest::kVersionPlain || version->get<uint64_t>() > ModelManifest::kVersion)
     return Error{
         fmt::format("version {} of the model's format, this program reads {}; use the program that wrote it, "
                     "or build again",

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <initializer_list>
 
 namespace promenade {
@@ -153,7 +154,61 @@ std::string find_tree_defect(const ModelTables& tables) {
   return {};
 }
 
+/// Objects that move have the last nodes, each its own tree.
+std::string find_moving_defect(const Model& model) {
+  const ModelObjects& objects = model.objects;
+  const size_t nodes = model.tables.nodes.size();
+  if (objects.moving_nodes.size() > nodes)
+    return fmt::format("{} of {} nodes move", objects.moving_nodes.size(), nodes);
+  const size_t first = nodes - objects.moving_nodes.size();
+  for (size_t i = 0; i < objects.moving.size(); ++i) {
+    const MovingObject& object = objects.moving[i];
+    if (object.joint >= objects.animation.joints.size())
+      return fmt::format("moving object {}: joint {} of {}", i, object.joint, objects.animation.joints.size());
+    for (int k = 0; k < 4; ++k)
+      if (!finite(glm::vec3(object.joint_from_object[k]))) return fmt::format("moving object {}: not finite", i);
+    if (index_of(object.root) < first || index_of(object.root) >= nodes ||
+        objects.moving_nodes[index_of(object.root) - first].object != i ||
+        model.tables.nodes[index_of(object.root)].parent != kNoNode)
+      return fmt::format("moving object {}: {} is no root of it", i, index_of(object.root));
+  }
+  for (size_t i = 0; i < objects.moving_nodes.size(); ++i) {
+    const MovingNode& node = objects.moving_nodes[i];
+    if (node.object >= objects.moving.size() || !finite(node.box.min) || !finite(node.box.max) || node.box.empty())
+      return fmt::format("node {}: of moving object {} of {}, or without a box", first + i, node.object,
+                         objects.moving.size());
+  }
+  for (size_t i = 0; i < nodes; ++i) {
+    const NodeId parent = model.tables.nodes[i].parent;
+    if (parent == kNoNode) continue;
+    const bool moves = i >= first, parent_moves = index_of(parent) >= first;
+    if (moves != parent_moves ||
+        (moves && objects.moving_nodes[i - first].object != objects.moving_nodes[index_of(parent) - first].object))
+      return fmt::format("node {}: its parent moves otherwise", i);
+  }
+  return {};
+}
+
+std::string find_class_defect(const Model& model) {
+  for (const ClassShare& share : model.objects.class_shares)
+    if (index_of(share.leaf) >= model.tables.nodes.size() || share.class_index >= model.objects.classes.size() ||
+        !std::isfinite(share.area_m2) || share.area_m2 < 0)
+      return fmt::format("class {} of {} in node {}: {} m2", share.class_index, model.objects.classes.size(),
+                         index_of(share.leaf), share.area_m2);
+  return {};
+}
+
 }  // namespace
+
+std::vector<glm::dmat4> model_from_objects(const Model& model, double time_s) {
+  const std::vector<glm::dmat4> poses = poses_at(model.objects.animation, time_s);
+  const glm::dmat4 model_from_world = glm::translate(glm::dmat4(1), -model.manifest.origin);
+  std::vector<glm::dmat4> matrices;
+  matrices.reserve(model.objects.moving.size());
+  for (const MovingObject& object : model.objects.moving)
+    matrices.push_back(model_from_world * poses[object.joint] * object.joint_from_object);
+  return matrices;
+}
 
 std::string find_defect(const Model& model) {
   const ModelTables& tables = model.tables;
@@ -167,7 +222,10 @@ std::string find_defect(const Model& model) {
     if (defect.empty()) defect = find_range_defect(tables, tables.nodes[i]);
     if (!defect.empty()) return fmt::format("node {}: {}", i, defect);
   }
-  return find_tree_defect(tables);
+  for (std::string defect : {find_tree_defect(tables), find_defect(model.objects.animation), find_moving_defect(model),
+                             find_class_defect(model)})
+    if (!defect.empty()) return defect;
+  return {};
 }
 
 }  // namespace promenade

@@ -13,6 +13,7 @@
 #include "geometry/cone.h"
 #include "geometry/mesh.h"
 #include "geometry/node_id.h"
+#include "layout/objects.h"
 
 namespace promenade {
 
@@ -79,7 +80,8 @@ struct ModelTables {
 
 /// What a person asks of a model: counts, settings, provenance. JSON on disk.
 struct ModelManifest {
-  static constexpr uint32_t kVersion = 1;
+  static constexpr uint32_t kVersion = 2;       ///< the newest that is read
+  static constexpr uint32_t kVersionPlain = 1;  ///< of models without objects.bin
   std::string tool_version;
   uint64_t input_hash = 0;  ///< of the source's bytes and every setting that affects the output
   glm::dvec3 origin{0};     ///< world position of model space's zero: model = world - origin
@@ -101,7 +103,14 @@ struct ModelManifest {
 struct Model {
   ModelManifest manifest;
   ModelTables tables;
+  ModelObjects objects = {};
 
+  /// Nodes from this one on are of objects that move: their boxes hold what they sweep, their meshes are in the
+  /// objects' own spaces.
+  uint32_t first_moving_node() const {
+    return static_cast<uint32_t>(tables.nodes.size() - objects.moving_nodes.size());
+  }
+  bool is_moving(NodeId id) const { return index_of(id) >= first_moving_node(); }
   std::span<const NodeId> children_of(NodeId id) const {
     const NodeRecord& node = tables.nodes[index_of(id)];
     return {tables.children.data() + node.first_child, node.child_count};
@@ -111,6 +120,9 @@ struct Model {
     return {tables.node_textures.data() + node.first_texture, node.texture_count};
   }
 };
+
+/// Model space from each moving object's own space. Pure; any thread.
+std::vector<glm::dmat4> model_from_objects(const Model& model, double time_s);
 
 /// Empty when every index, range, box and number in the tables is sound (children partition the nodes under the roots,
 /// no cycles, parents' boxes contain children's, errors fall from parent to child, segments lie inside their files);

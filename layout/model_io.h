@@ -28,7 +28,7 @@ class ModelWriter {
 
   /// Writes tables and manifest (files, segments and checksums are filled in here), checks find_defect and syncs: a
   /// whole model, though not under its name, that can be opened at staged_folder().
-  Status stage(ModelTables tables, ModelManifest manifest);
+  Status stage(ModelTables tables, ModelManifest manifest, ModelObjects objects = {});
   std::filesystem::path staged_folder() const;
   /// Lays the staged model's meshes out in this order of its nodes, each of them once. Before add_cells.
   Status reorder(std::span<const uint32_t> nodes);

@@ -12,6 +12,7 @@
 #include "layout/manifest.h"
 #include "layout/model_folder.h"
 #include "layout/model_io.h"
+#include "layout/objects_codec.h"
 #include "layout/tables_codec.h"
 
 namespace promenade {
@@ -56,6 +57,23 @@ Result<ModelTables> read_tables(const fs::path& folder, const StoredManifest& st
   return tables;
 }
 
+bool names_file(const ModelManifest& manifest, const char* name) {
+  return std::any_of(manifest.files.begin(), manifest.files.end(),
+                     [name](const ModelManifest::File& file) { return file.name == name; });
+}
+
+/// Empty where the model has none.
+Result<ModelObjects> read_objects(const fs::path& folder, const StoredManifest& stored, size_t nodes,
+                                  FileSystem& files) {
+  if (!names_file(stored.manifest, kObjectsName)) return ModelObjects();
+  const fs::path path = folder / kObjectsName;
+  const Result<std::vector<std::byte>> bytes = read_file(path, uint64_t(1) << 40, files);
+  if (!bytes) return bytes.error();
+  Result<ModelObjects> objects = decode_objects(*bytes, {stored.tables_checksum, static_cast<uint32_t>(nodes)});
+  if (!objects) return Error{fmt::format("{}: {}", path.string(), objects.error().message)};
+  return objects;
+}
+
 }  // namespace
 
 struct ModelReader::State {
@@ -84,13 +102,8 @@ struct ModelReader::State {
     return Done{};
   }
 
-  bool has_file(const char* name) const {
-    const auto named = [name](const ModelManifest::File& file) { return file.name == name; };
-    return std::any_of(model.manifest.files.begin(), model.manifest.files.end(), named);
-  }
-
   Status open_far(uint64_t tables_checksum, FileSystem& file_system) {
-    if (!has_file(kFarName)) return Done{};
+    if (!names_file(model.manifest, kFarName)) return Done{};
     const CellsOwner owner{tables_checksum, static_cast<uint32_t>(model.tables.nodes.size())};
     Result<FarReader> opened = FarReader::open(folder / kFarName, owner, file_system);
     if (!opened) return opened.error();
@@ -99,7 +112,7 @@ struct ModelReader::State {
   }
 
   Status open_cells(uint64_t tables_checksum, FileSystem& file_system) {
-    if (!has_file(kCellsName)) return Done{};
+    if (!names_file(model.manifest, kCellsName)) return Done{};
     const CellsOwner owner{tables_checksum, static_cast<uint32_t>(model.tables.nodes.size())};
     Result<NodeForest> forest = node_forest(model.tables);
     if (!forest) return Error{fmt::format("{}: {}", (folder / kTablesName).string(), forest.error().message)};
@@ -124,7 +137,9 @@ Result<ModelReader> ModelReader::open(const fs::path& path, FileSystem& files) {
   if (!stored) return stored.error();
   Result<ModelTables> tables = read_tables(*folder, *stored, files);
   if (!tables) return tables.error();
-  state->model = {std::move(stored->manifest), std::move(*tables)};
+  Result<ModelObjects> objects = read_objects(*folder, *stored, tables->nodes.size(), files);
+  if (!objects) return objects.error();
+  state->model = {std::move(stored->manifest), std::move(*tables), std::move(*objects)};
   if (const std::string defect = find_defect(state->model); !defect.empty())
     return Error{fmt::format("{}: {}", (*folder / kTablesName).string(), defect)};
   PROMENADE_TRY(state->open_files(files));

@@ -15,6 +15,7 @@
 #include "layout/manifest.h"
 #include "layout/model_folder.h"
 #include "layout/model_io.h"
+#include "layout/objects_codec.h"
 #include "layout/tables_codec.h"
 
 namespace promenade {
@@ -22,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 6> kOwnNames = {kManifestName, kTablesName, kGeometryName,
-                                                  kTexturesName, kCellsName,  kFarName};
+constexpr std::array<const char*, 7> kOwnNames = {kManifestName, kTablesName, kGeometryName, kTexturesName,
+                                                  kCellsName,    kFarName,    kObjectsName};
 
 bool exists(const fs::path& path, FileSystem& files) {
   FileInfo info;
@@ -82,6 +83,7 @@ struct ModelWriter::State {
   std::vector<SegmentRecord> segments;
   StoredManifest staged;
   ModelTables staged_tables;
+  ModelObjects staged_objects;
   bool published = false;
 
   State() = default;
@@ -95,6 +97,7 @@ struct ModelWriter::State {
   }
 
   Status start();
+  Status write_tables();
   Status publish();
 };
 
@@ -134,6 +137,22 @@ Status ModelWriter::State::publish() {
   return Done{};
 }
 
+/// The staged tables, and what names them by their checksum.
+Status ModelWriter::State::write_tables() {
+  const std::vector<std::byte> bytes = encode_tables(staged_tables);
+  PROMENADE_TRY(write_file(partial / kTablesName, bytes, *files));
+  staged.tables_checksum = checksum(bytes);
+  std::vector<ModelManifest::File>& names = staged.manifest.files;
+  std::erase_if(names, [](const ModelManifest::File& file) { return file.name == kObjectsName; });
+  if (!staged_objects.empty()) {
+    const CellsOwner owner{staged.tables_checksum, static_cast<uint32_t>(staged_tables.nodes.size())};
+    const std::vector<std::byte> objects = encode_objects(staged_objects, owner);
+    PROMENADE_TRY(write_file(partial / kObjectsName, objects, *files));
+    names.insert(names.end() - 1, {kObjectsName, objects.size()});
+  }
+  return write_file(partial / kManifestName, std::string_view(manifest_text(staged)), *files);
+}
+
 ModelWriter::ModelWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
 ModelWriter::ModelWriter(ModelWriter&&) noexcept = default;
 ModelWriter& ModelWriter::operator=(ModelWriter&&) noexcept = default;
@@ -170,22 +189,22 @@ Result<uint32_t> ModelWriter::append(SegmentRecord::Type type, std::span<const s
   return static_cast<uint32_t>(s.segments.size() - 1);
 }
 
-Status ModelWriter::stage(ModelTables tables, ModelManifest manifest) {
+Status ModelWriter::stage(ModelTables tables, ModelManifest manifest, ModelObjects objects) {
   State& s = *state_;
-  Model model{std::move(manifest), std::move(tables)};
+  Model model{std::move(manifest), std::move(tables), std::move(objects)};
   model.tables.segments = s.segments;
-  const std::vector<std::byte> table_bytes = encode_tables(model.tables);
-  model.manifest.files = {
-      {kGeometryName, s.geometry->size()}, {kTexturesName, s.textures->size()}, {kTablesName, table_bytes.size()}};
+  model.manifest.files = {{kGeometryName, s.geometry->size()},
+                          {kTexturesName, s.textures->size()},
+                          {kTablesName, encode_tables(model.tables).size()}};
   std::string defect = find_defect(model);
   if (const Status status = check_manifest(model.manifest); defect.empty() && !status) defect = status.error().message;
   if (!defect.empty()) return Error{fmt::format("{}: refused to write an unsound model: {}", s.path.string(), defect)};
   PROMENADE_TRY(s.geometry->commit());
   PROMENADE_TRY(s.textures->commit());
-  PROMENADE_TRY(write_file(s.partial / kTablesName, table_bytes, *s.files));
-  s.staged = {std::move(model.manifest), checksum(table_bytes)};
+  s.staged = {std::move(model.manifest), 0};
   s.staged_tables = std::move(model.tables);
-  return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
+  s.staged_objects = std::move(model.objects);
+  return s.write_tables();
 }
 
 std::filesystem::path ModelWriter::staged_folder() const { return state_->partial; }
@@ -211,10 +230,7 @@ Status ModelWriter::reorder(std::span<const uint32_t> nodes) {
         fmt::format("{}: an order of {} bytes of meshes, there are {}", s.path.string(), to->size(), from->size())};
   PROMENADE_TRY(to->commit());
   tables.segments = std::move(moved);
-  const std::vector<std::byte> table_bytes = encode_tables(tables);
-  PROMENADE_TRY(write_file(s.partial / kTablesName, table_bytes, *s.files));
-  s.staged.tables_checksum = checksum(table_bytes);
-  return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
+  return s.write_tables();
 }
 
 Status ModelWriter::add_cells(const CellTables& cells, const VlodSource& vlod_of) {

@@ -11,12 +11,13 @@
 namespace promenade {
 namespace {
 
-constexpr std::array<std::string_view, 5> kNames = {"input", "morton", "hilbert", "bisection", "tour"};
+constexpr std::array<std::string_view, 6> kNames = {"input", "morton", "hilbert", "bisection", "greedy-tour", "tour"};
 
 ColumnOrder order_named(std::string_view name, const OrderQuestion& question) {
   if (name == "morton") return morton_order(question.points);
   if (name == "hilbert") return hilbert_order(question.points);
   if (name == "bisection") return bisection_order(*question.matrix);
+  if (name == "greedy-tour") return tour_order(*question.matrix, TourOptions(TourSeed::greedy));
   if (name == "tour") return tour_order(*question.matrix, TourOptions());
   assert(name == "input");
   ColumnOrder order(question.matrix->columns());

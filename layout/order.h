@@ -15,7 +15,7 @@ struct OrderQuestion {
   std::span<const glm::vec3> points;  ///< by node: where it is, metres
 };
 
-/// "input", "morton", "hilbert", "bisection", "tour".
+/// "input", "morton", "hilbert", "bisection", "greedy-tour" (as published), "tour".
 std::span<const std::string_view> order_names();
 
 struct MadeOrder {

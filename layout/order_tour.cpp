@@ -7,15 +7,21 @@
 #include <numeric>
 
 #include "layout/order_columns.h"
+#include "layout/order_rivals.h"
 
 namespace promenade {
 namespace {
 
-constexpr uint32_t kNobody = ~0U;
+using Clock = std::chrono::steady_clock;
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+constexpr uint32_t kNobody = ~0U;
+/// Columns that a step of 2-opt may turn round. More make shorter tours in far more time; long turns take apart what
+/// bisection keeps together.
+constexpr uint64_t kLongestTurn = 25000, kLongestTurnOfBisection = 512;
+/// So many times the runs of a greedy tour are worth what is read along a path being near each other.
+constexpr double kWorthOfBisection = 1.03;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Kinds of columns as cities. The last city is the empty column.
 class Cities {
@@ -286,6 +292,18 @@ class Improver {
   std::vector<uint8_t> awake_;
 };
 
+/// Kinds in the order of their first columns, the empty column first.
+std::vector<uint32_t> tour_along(const ColumnOrder& order, std::span<const uint32_t> first_columns) {
+  std::vector<uint32_t> place(order.size());
+  for (uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+  std::vector<uint32_t> tour(first_columns.size());
+  std::iota(tour.begin(), tour.end(), 0U);
+  std::sort(tour.begin(), tour.end(),
+            [&](uint32_t a, uint32_t b) { return place[first_columns[a]] < place[first_columns[b]]; });
+  tour.insert(tour.begin(), static_cast<uint32_t>(first_columns.size()));
+  return tour;
+}
+
 /// The kinds in order, from behind the empty column on.
 std::vector<uint32_t> kinds_of(const Tour& tour) {
   std::vector<uint32_t> kinds = tour.cities();
@@ -295,34 +313,59 @@ std::vector<uint32_t> kinds_of(const Tour& tour) {
   return kinds;
 }
 
-}  // namespace
+struct MadeTour {
+  ColumnOrder order;
+  TourFigures figures;
+};
 
-Result<ColumnOrder> tour_order(const Incidence& matrix, const TourOptions& options, const NearSource& near_source,
-                               TourFigures* figures) {
-  TourFigures ignored;
-  TourFigures& f = figures != nullptr ? *figures : ignored;
-  const DistinctColumns distinct = distinct_columns(matrix);
-  const Cities cities(matrix, distinct.first);
+/// seed: greedy or bisection.
+MadeTour improved_tour(const Incidence& matrix, const DistinctColumns& distinct, const Cities& cities,
+                       const NeighbourLists& near, const TourOptions& options, TourSeed seed) {
+  MadeTour made;
+  TourFigures& f = made.figures;
   f.distinct_columns = distinct.first.size();
-  auto start = std::chrono::steady_clock::now();
-  const Result<NeighbourLists> near = near_source(distinct.first, options.neighbours);
-  if (!near) return near.error();
-  f.neighbours_s = seconds_since(start);
-  start = std::chrono::steady_clock::now();
-  Tour tour(greedy_tour(matrix, distinct.first, cities, *near, options.neighbours), options.longest_turn);
+  auto start = Clock::now();
+  const bool greedy = seed == TourSeed::greedy;
+  Tour tour(greedy ? greedy_tour(matrix, distinct.first, cities, near, options.neighbours)
+                   : tour_along(bisection_order(matrix), distinct.first),
+            greedy ? kLongestTurn : kLongestTurnOfBisection);
   f.seed_s = seconds_since(start);
   f.runs_of_seed = count_runs(matrix, spread(distinct, kinds_of(tour)));
-  start = std::chrono::steady_clock::now();
-  Improver improver(cities, *near, tour);
+  start = Clock::now();
+  Improver improver(cities, near, tour);
   for (f.passes = 0; f.passes < options.passes;) {
     const uint64_t steps = improver.pass();
     if (++f.passes == 1) f.runs_after_pass_1 = count_runs(matrix, spread(distinct, kinds_of(tour)));
     if (steps == 0) break;
   }
   f.improve_s = seconds_since(start);
-  ColumnOrder order = spread(distinct, kinds_of(tour));
-  f.runs = count_runs(matrix, order);
-  return order;
+  made.order = spread(distinct, kinds_of(tour));
+  f.runs = count_runs(matrix, made.order);
+  return made;
+}
+
+}  // namespace
+
+Result<ColumnOrder> tour_order(const Incidence& matrix, const TourOptions& options, const NearSource& near_source,
+                               TourFigures* figures) {
+  const DistinctColumns distinct = distinct_columns(matrix);
+  const auto start = Clock::now();
+  const Result<NeighbourLists> near = near_source(distinct.first, options.neighbours);
+  if (!near) return near.error();
+  const double neighbours_s = seconds_since(start);
+  const Cities cities(matrix, distinct.first);
+  const auto tour_from = [&](TourSeed seed) {
+    MadeTour made = improved_tour(matrix, distinct, cities, *near, options, seed);
+    made.figures.neighbours_s = neighbours_s;
+    return made;
+  };
+  MadeTour made = tour_from(options.seed == TourSeed::greedy ? TourSeed::greedy : TourSeed::bisection);
+  if (options.seed == TourSeed::best) {
+    MadeTour greedy = tour_from(TourSeed::greedy);
+    if (double(made.figures.runs) > kWorthOfBisection * double(greedy.figures.runs)) made = std::move(greedy);
+  }
+  if (figures != nullptr) *figures = made.figures;
+  return std::move(made.order);
 }
 
 ColumnOrder tour_order(const Incidence& matrix, const TourOptions& options, TourFigures* figures) {

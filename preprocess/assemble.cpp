@@ -3,6 +3,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 #include "preprocess/survey.h"
@@ -21,9 +23,10 @@ struct Place {
 
 class Assembler {
  public:
-  Assembler(const TreeUnits& units, const TextureStore& textures, const std::vector<Material>& materials,
-            GeometryCodec codec, const WorkFolder& folder, ModelWriter& writer)
+  Assembler(const TreeUnits& units, const Survey& survey, const TextureStore& textures,
+            const std::vector<Material>& materials, GeometryCodec codec, const WorkFolder& folder, ModelWriter& writer)
       : units_(units),
+        survey_(survey),
         textures_(textures),
         codec_(codec),
         folder_(folder),
@@ -46,9 +49,18 @@ class Assembler {
 
   /// Gives every node its id and fills in what links it to others.
   void order() {
-    add_node(root(), kNoNode, 0);
-    tables.roots.push_back(NodeId{0});
-    add_children(NodeId{0});
+    if (!units_.top.nodes.empty() || !units_.chunks.empty()) add_tree(root());
+    const auto first_moving = static_cast<uint32_t>(tables.nodes.size());
+    objects.animation = survey_.animation;
+    for (uint32_t i = 0; i < units_.objects.size(); ++i) {
+      const SurveyedObject& object = survey_.objects[i];
+      objects.moving.push_back(
+          {object.joint, NodeId{static_cast<uint32_t>(tables.nodes.size())}, object.joint_from_object});
+      add_tree({static_cast<uint32_t>(units_.chunks.size()) + 1 + i, 0});
+      while (first_moving + objects.moving_nodes.size() < tables.nodes.size()) sweep(i, first_moving);
+    }
+    grow_to_hold_children(first_moving);
+    add_classes();
   }
 
   Status add_nodes(JobMonitor& monitor) {
@@ -62,16 +74,59 @@ class Assembler {
   }
 
   ModelTables tables;
+  ModelObjects objects;
 
  private:
   const NodeUnit& unit(uint32_t index) const {
-    return index < units_.chunks.size() ? units_.chunks[index] : units_.top;
+    if (index < units_.chunks.size()) return units_.chunks[index];
+    return index == units_.chunks.size() ? units_.top : units_.objects[index - units_.chunks.size() - 1];
   }
   const UnitNode& node(const Place& place) const { return unit(place.unit).nodes[place.node]; }
 
   Place root() const {
     if (!units_.top.nodes.empty()) return {static_cast<uint32_t>(units_.chunks.size()), 0};
     return {0, 0};
+  }
+
+  void add_tree(const Place& root_place) {
+    const NodeId id{static_cast<uint32_t>(tables.nodes.size())};
+    add_node(root_place, kNoNode, 0);
+    tables.roots.push_back(id);
+    add_children(id);
+  }
+
+  /// The next node of an object: its box becomes what it sweeps, and it may be seen from any side.
+  void sweep(uint32_t object, uint32_t first_moving) {
+    NodeRecord& node = tables.nodes[first_moving + objects.moving_nodes.size()];
+    const MovingObject& moving = objects.moving[object];
+    objects.moving_nodes.push_back({object, node.box});
+    const DBox swept = swept_box(survey_.animation, moving.joint, transformed_box(node.box, moving.joint_from_object));
+    for (int i = 0; i < 3; ++i) {
+      constexpr float kFar = std::numeric_limits<float>::infinity();
+      node.box.min[i] = std::nextafter(static_cast<float>(swept.min[i] - survey_.origin[i]), -kFar);
+      node.box.max[i] = std::nextafter(static_cast<float>(swept.max[i] - survey_.origin[i]), kFar);
+    }
+    node.cone = {{0, 0, 1}, -1};
+    node.average_normal = glm::vec3(0);
+  }
+
+  /// Swept boxes hold their children's but for rounding.
+  void grow_to_hold_children(uint32_t first_moving) {
+    for (size_t i = tables.nodes.size(); i-- > first_moving;)
+      if (const NodeId parent = tables.nodes[i].parent; parent != kNoNode)
+        tables.nodes[index_of(parent)].box.add(tables.nodes[i].box);
+  }
+
+  void add_classes() {
+    bool any = false;
+    for (uint32_t i = 0; i < places_.size(); ++i)
+      for (const ClassArea& of : node(places_[i]).classes) {
+        objects.class_shares.push_back({NodeId{i}, of.class_index, of.area_m2});
+        any = true;
+      }
+    if (!any) return;
+    objects.classes.resize(survey_.classes.size());
+    for (const auto& [name, index] : survey_.classes) objects.classes[index] = name;
   }
 
   void add_node(const Place& place, NodeId parent, uint32_t level) {
@@ -178,6 +233,7 @@ class Assembler {
   }
 
   const TreeUnits& units_;
+  const Survey& survey_;
   const TextureStore& textures_;
   GeometryCodec codec_;
   const WorkFolder& folder_;
@@ -190,14 +246,14 @@ class Assembler {
 
 }  // namespace
 
-Result<ModelTables> assemble_model(const TreeUnits& units, const TextureStore& textures,
-                                   const std::vector<Material>& materials, GeometryCodec codec,
-                                   const WorkFolder& folder, ModelWriter& writer, JobMonitor& monitor) {
-  Assembler assembler(units, textures, materials, codec, folder, writer);
+Result<AssembledModel> assemble_model(const TreeUnits& units, const Survey& survey, const TextureStore& textures,
+                                      const std::vector<Material>& materials, GeometryCodec codec,
+                                      const WorkFolder& folder, ModelWriter& writer, JobMonitor& monitor) {
+  Assembler assembler(units, survey, textures, materials, codec, folder, writer);
   PROMENADE_TRY(assembler.add_textures());
   assembler.order();
   PROMENADE_TRY(assembler.add_nodes(monitor));
-  return std::move(assembler.tables);
+  return AssembledModel{std::move(assembler.tables), std::move(assembler.objects)};
 }
 
 }  // namespace promenade

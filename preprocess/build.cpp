@@ -11,6 +11,7 @@
 
 #include "codec/frame.h"
 #include "preprocess/assemble.h"
+#include "preprocess/object_units.h"
 #include "preprocess/partition.h"
 #include "preprocess/unit_io.h"
 #include "preprocess/visibility/hider_chain.h"
@@ -21,7 +22,7 @@ namespace {
 
 constexpr uint64_t kHidersPart = 2;  // of the memory: nothing else of a build is in it by then
 
-constexpr uint32_t kUnitsVersion = 4;  // of the work units' content: a change makes builds begin anew
+constexpr uint32_t kUnitsVersion = 5;  // of the work units' content: a change makes builds begin anew
 
 /// Measures the stages of a build.
 class StageClock {
@@ -144,7 +145,8 @@ std::map<std::string, uint64_t> bytes_by_part(const std::filesystem::path& model
   std::map<std::string, uint64_t> bytes;
   for (const auto& [part, file] :
        {std::pair("geometry", "geometry.bin"), std::pair("textures", "textures.bin"), std::pair("tables", "tables.bin"),
-        std::pair("cells", "cells.bin"), std::pair("far", "far.bin"), std::pair("manifest", "manifest.json")}) {
+        std::pair("cells", "cells.bin"), std::pair("far", "far.bin"), std::pair("objects", "objects.bin"),
+        std::pair("manifest", "manifest.json")}) {
     std::error_code code;
     const uintmax_t size = std::filesystem::file_size(model / file, code);
     bytes[part] = code ? 0 : size;
@@ -169,18 +171,30 @@ class Build {
     hash_ = hash_of(options_, budget_, *survey);
     clock_.end("survey");
 
-    ChunkTree tree = divide_into_chunks(
-        survey->samples,
-        {survey->triangles, budget_.chunk_triangles, options_.node_triangles, options_.level_factor, survey->origin});
+    const MaterialBase base(survey->materials.materials());
+    const NodeBuilder builder(base, textures, node_options(*survey));
+    const TreeOptions tree_options{options_.node_triangles, options_.level_factor, hash_,
+                                   survey->classes.size() > 1 || !survey->classes.contains("")};
+    Result<std::vector<NodeUnit>> objects =
+        build_objects(*survey, options_.import, builder, tree_options, folder_, monitor_);
+    if (!objects.ok()) return objects.error();
+    clock_.end("objects");
+
+    // Nothing stands still: no tree.
+    ChunkTree tree;
+    const uint64_t still = survey->triangles - survey->moving_triangles;
+    if (still > 0)
+      tree = divide_into_chunks(survey->samples, {still, budget_.chunk_triangles, options_.node_triangles,
+                                                  options_.level_factor, survey->origin});
     survey->samples = {};
     const Result<SpillIndex> spill =
         partition_source(*survey, tree, options_.import, budget_, folder_, hash_, monitor_);
     if (!spill.ok()) return spill.error();
     clock_.end("partition");
 
-    const MaterialBase base(survey->materials.materials());
-    const Result<TreeUnits> units = build_tree_units(*spill, tree, *survey, base, textures);
+    Result<TreeUnits> units = build_tree(*spill, tree, builder, tree_options, budget_, folder_, monitor_);
     if (!units.ok()) return units.error();
+    units->objects = std::move(*objects);
     clock_.end("simplify");
 
     count_work(*spill, *units, textures);
@@ -201,21 +215,20 @@ class Build {
   }
 
  private:
-  Result<TreeUnits> build_tree_units(const SpillIndex& spill, const ChunkTree& tree, const Survey& survey,
-                                     const MaterialBase& base, const TextureStore& textures) {
+  NodeBuilderOptions node_options(const Survey& survey) const {
     NodeBuilderOptions options;
     options.node_triangles = options_.node_triangles;
     options.codec = options_.geometry_codec;
     options.leaf_step_m = leaf_step_m(survey, options_.node_triangles);
     options.jpeg_quality = options_.jpeg_quality;
-    const NodeBuilder builder(base, textures, options);
-    return build_tree(spill, tree, builder, {options_.node_triangles, options_.level_factor, hash_}, budget_, folder_,
-                      monitor_);
+    return options;
   }
 
   void count_work(const SpillIndex& spill, const TreeUnits& units, const TextureStore& textures) {
     figures_.spill_bytes_peak = spill.file_bytes + units.top.payload_bytes;
     figures_.units_total = textures.size() + (units.top.nodes.empty() ? 0U : 1U);
+    for (const NodeUnit& unit : units.objects) figures_.spill_bytes_peak += unit.payload_bytes;
+    figures_.units_total += units.objects.size();
     for (const NodeUnit& unit : units.chunks) {
       figures_.spill_bytes_peak += unit.payload_bytes;
       figures_.units_total += unit.nodes.empty() ? 0U : 1U;
@@ -226,30 +239,35 @@ class Build {
 
   Status stage(const Survey& survey, const TreeUnits& units, const MaterialBase& base, const TextureStore& textures,
                ModelWriter& writer) {
-    Result<ModelTables> tables =
-        assemble_model(units, textures, base.materials, options_.geometry_codec, folder_, writer, monitor_);
-    if (!tables.ok()) return tables.error();
-    count_nodes(*tables, figures_);
+    Result<AssembledModel> model =
+        assemble_model(units, survey, textures, base.materials, options_.geometry_codec, folder_, writer, monitor_);
+    if (!model.ok()) return model.error();
+    count_nodes(model->tables, figures_);
     figures_.triangles_in = survey.triangles;
     figures_.import_counts = survey.report.counts;
     figures_.warnings = survey.report.warnings;
-    return writer.stage(std::move(*tables), manifest_of(options_, budget_, survey, hash_of(options_, hash_)));
+    return writer.stage(std::move(model->tables), manifest_of(options_, budget_, survey, hash_of(options_, hash_)),
+                        std::move(model->objects));
   }
 
   Status add_cells(ModelWriter& writer) {
     const Result<ModelReader> reader = ModelReader::open(writer.staged_folder(), files_);
     if (!reader.ok()) return reader.error();
+    const Result<ViewSpace> space = survey_view_space(*reader, options_.visibility, monitor_);
+    if (!space.ok()) return space.error();
+    const std::vector<std::string>& names = resolved_hiders(options_.visibility.hiders, space->style);
     const Result<std::vector<std::unique_ptr<Hider>>> hiders =
-        make_hiders(options_.visibility.hiders, *reader, {options_.memory_bytes / kHidersPart}, monitor_);
+        make_hiders(names, *reader, {options_.memory_bytes / kHidersPart}, monitor_);
     if (!hiders.ok()) return hiders.error();
     clock_.end("hiders");
     for (const std::unique_ptr<Hider>& hider : *hiders)
       if (!hider->is_conservative())
         monitor_.warning(fmt::format("hider {}: may hide what can be seen", hider->name()));
     const Result<Visibility> made =
-        compute_visibility(*reader, *hiders, options_.visibility, hash_of(options_, hash_), folder_, monitor_);
+        compute_visibility(*reader, *space, *hiders, options_.visibility, hash_of(options_, hash_), folder_, monitor_);
     if (!made.ok()) return made.error();
     figures_.visibility = made->figures;
+    figures_.hiders = names;
     figures_.units_total += made->figures.units.total;
     figures_.units_resumed += made->figures.units.resumed;
     const auto nodes = static_cast<uint32_t>(reader->model().tables.nodes.size());

@@ -43,6 +43,7 @@ struct BuildFigures {
   uint64_t triangles_stored = 0;
   uint64_t spill_bytes_peak = 0;
   uint64_t units_total = 0, units_resumed = 0;
+  std::vector<std::string> hiders;                ///< of the cells' chain, in order
   VisibilityFigures visibility;                   ///< zeros without cells
   FarFigures far;                                 ///< zeros without far pictures
   double delta_ids_mean = 0;                      ///< nodes that leave or enter across a face between cells

@@ -9,6 +9,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat4x4.hpp>
 
+#include "preprocess/gltf_animation.h"
 #include "preprocess/gltf_document.h"
 #include "preprocess/gltf_materials.h"
 #include "preprocess/gltf_meshes.h"
@@ -56,12 +57,18 @@ struct Visit {
   uint64_t node;
   glm::dmat4 world_from_parent;
   std::string class_name;
+  uint32_t joint = kNoJoint;          ///< the nearest thing above that moves
+  glm::dmat4 joint_from_parent{1.0};  ///< no such thing: from the world
 };
 
 class Placer {
  public:
-  Placer(GltfDocument& document, const std::vector<uint32_t>& mesh_of, Scene& scene)
-      : document_(document), nodes_(member(document.json(), "nodes")), mesh_of_(mesh_of), scene_(scene) {}
+  Placer(GltfDocument& document, const std::vector<uint32_t>& mesh_of, const GltfTracks& tracks, Scene& scene)
+      : document_(document),
+        nodes_(member(document.json(), "nodes")),
+        mesh_of_(mesh_of),
+        tracks_(tracks),
+        scene_(scene) {}
 
   Status place() {
     if (!nodes_.is_array()) return Done{};
@@ -87,7 +94,7 @@ class Placer {
     const Json& shown = element(scenes, whole(member(document_.json(), "scene")).value_or(0));
     std::vector<Visit> out;
     if (shown.is_object()) {
-      push_children(member(shown, "nodes"), glm::dmat4(1), "", out);
+      push_children(member(shown, "nodes"), {0, glm::dmat4(1), ""}, out);
       return out;
     }
     std::vector<bool> is_child(nodes_.size(), false);
@@ -100,11 +107,32 @@ class Placer {
     return out;
   }
 
-  static void push_children(const Json& children, const glm::dmat4& world_from_parent, const std::string& class_name,
-                            std::vector<Visit>& stack) {
+  /// from: what every child inherits.
+  static void push_children(const Json& children, const Visit& from, std::vector<Visit>& stack) {
     if (!children.is_array()) return;
-    for (size_t i = children.size(); i-- > 0;)
-      stack.push_back({whole(children[i]).value_or(~uint64_t(0)), world_from_parent, class_name});
+    for (size_t i = children.size(); i-- > 0;) {
+      stack.push_back(from);
+      stack.back().node = whole(children[i]).value_or(~uint64_t(0));
+    }
+  }
+
+  /// What moves by itself becomes a joint; what does not goes on from the one above.
+  void hang(const Visit& visit, const Json& node, Visit& below) {
+    const auto tracks = tracks_.find(visit.node);
+    if (tracks == tracks_.end()) {
+      below.joint_from_parent = visit.joint_from_parent * local_transform(node);
+      return;
+    }
+    AnimationJoint joint;
+    joint.parent = visit.joint;
+    joint.parent_from_rest = visit.joint_from_parent;
+    numbers(member(node, "translation"), joint.translation);
+    numbers(member(node, "rotation"), joint.rotation);
+    numbers(member(node, "scale"), joint.scale);
+    joint.tracks = tracks->second;
+    below.joint = static_cast<uint32_t>(scene_.animation.joints.size());
+    below.joint_from_parent = glm::dmat4(1);
+    scene_.animation.joints.push_back(joint);
   }
 
   Status place_node(const Visit& visit, std::vector<Visit>& stack) {
@@ -112,12 +140,16 @@ class Placer {
     const glm::dmat4 world_from_node = visit.world_from_parent * local_transform(node);
     std::string class_name = text(member(member(node, "extras"), "class"));
     if (class_name.empty()) class_name = visit.class_name;
-    push_children(member(node, "children"), world_from_node, class_name, stack);
+    Visit below{visit.node, world_from_node, class_name, visit.joint, glm::dmat4(1)};
+    hang(visit, node, below);
+    push_children(member(node, "children"), below, stack);
 
     const std::optional<uint64_t> mesh = whole(member(node, "mesh"));
     if (!mesh || *mesh >= mesh_of_.size()) return Done{};
     const Json& declared = document_.json()["meshes"][*mesh];
-    SceneInstance instance{mesh_of_[*mesh], world_from_node, text(member(node, "name")), class_name};
+    SceneInstance instance{mesh_of_[*mesh], world_from_node, text(member(node, "name")),
+                           class_name,      below.joint,     glm::dmat4(1)};
+    if (below.joint != kNoJoint) instance.joint_from_mesh = below.joint_from_parent;
     if (instance.name.empty()) instance.name = text(member(declared, "name"));
     if (instance.class_name.empty()) instance.class_name = text(member(member(declared, "extras"), "class"));
     const Json& many = member(member(member(node, "extensions"), "EXT_mesh_gpu_instancing"), "attributes");
@@ -157,7 +189,9 @@ class Placer {
       };
       take(values[0], translation), take(values[1], rotation), take(values[2], scale);
       SceneInstance one = instance;
-      one.world_from_mesh = instance.world_from_mesh * placed(translation, rotation, scale);
+      const glm::dmat4 own = placed(translation, rotation, scale);
+      one.world_from_mesh = instance.world_from_mesh * own;
+      one.joint_from_mesh = instance.joint_from_mesh * own;
       scene_.instances.push_back(std::move(one));
     }
     return Done{};
@@ -166,6 +200,7 @@ class Placer {
   GltfDocument& document_;
   const Json& nodes_;
   const std::vector<uint32_t>& mesh_of_;
+  const GltfTracks& tracks_;
   Scene& scene_;
   std::vector<bool> visited_;
   uint64_t placed_ = 0;
@@ -201,7 +236,8 @@ Result<ReadScene> read_gltf(const std::filesystem::path& path, const std::string
   std::vector<uint32_t> mesh_of;
   PROMENADE_TRY(read_gltf_materials(*document, out.scene, texcoords));
   PROMENADE_TRY(read_gltf_meshes(*document, texcoords, out.scene, mesh_of, monitor));
-  PROMENADE_TRY(Placer(*document, mesh_of, out.scene).place());
+  const GltfTracks tracks = read_gltf_animations(*document, out.scene);
+  PROMENADE_TRY(Placer(*document, mesh_of, tracks, out.scene).place());
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <exception>
 #include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
@@ -121,7 +122,11 @@ void convert_frame(Scene& scene, UpAxis up, double unit_m) {
     const glm::dvec3 offset = turned(glm::dvec3(m[3])) * unit_m;
     m = glm::dmat4(turn * glm::dmat3(m) * back);
     m[3] = glm::dvec4(offset, 1);
+    // Joints stay in the file's frame among themselves: only what hangs on them, and what they hang on, is turned.
+    instance.joint_from_mesh *= glm::dmat4(back / unit_m);
   }
+  for (AnimationJoint& joint : scene.animation.joints)
+    if (joint.parent == kNoJoint) joint.parent_from_rest = glm::dmat4(turn * unit_m) * joint.parent_from_rest;
 }
 
 void drop_non_finite(Scene& scene) {
@@ -168,6 +173,30 @@ void drop_unused(Scene& scene) {
   for (SceneInstance& instance : scene.instances) instance.mesh = renamed[instance.mesh];
 }
 
+/// Objects whose movement is not sound (numbers that are not finite, or larger than any model) stand still.
+void check_movement(Scene& scene, double max_extent_m) {
+  Animation& animation = scene.animation;
+  const bool sound = find_defect(animation).empty();
+  uint64_t moving = 0, dropped = 0;
+  for (SceneInstance& instance : scene.instances) {
+    if (instance.joint == kNoJoint) continue;
+    bool moves = sound;
+    if (moves) {
+      const DBox swept = swept_box(animation, instance.joint,
+                                   transformed_box(bounds(scene.meshes[instance.mesh]), instance.joint_from_mesh));
+      const glm::dvec3 size = swept.size(), far = glm::max(glm::abs(swept.min), glm::abs(swept.max));
+      const double scale = largest_scale(animation, instance.joint);
+      moves = std::max({size.x, size.y, size.z}) <= 2 * max_extent_m && std::isfinite(far.x + far.y + far.z) &&
+              scale > 0 && std::isfinite(scale);
+    }
+    moves ? ++moving : ++dropped;
+    if (!moves) instance.joint = kNoJoint;
+  }
+  if (moving == 0) animation = {};
+  if (moving > 0) scene.report.counts["moving_objects"] = moving;
+  if (dropped > 0) scene.report.counts["animations_dropped"] = dropped;
+}
+
 void count_scene(Scene& scene) {
   Counts& counts = scene.report.counts;
   counts["meshes"] = scene.meshes.size();
@@ -207,6 +236,7 @@ Scene finished(ReadScene read, const ImportOptions& options) {
   if (read.sides_unknown) decide_sides(scene);
   plain_for_missing(scene);
   drop_unused(scene);
+  check_movement(scene, options.max_extent_m);
   count_scene(scene);
   return scene;
 }

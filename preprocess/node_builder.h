@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "layout/model.h"
+#include "preprocess/class_runs.h"
 #include "preprocess/texture_store.h"
 
 namespace promenade {
@@ -29,6 +30,7 @@ struct StoredNode {
   std::vector<std::byte> atlas;           ///< encoded picture; empty: none
   TextureRecord atlas_record;             ///< but for its segment
   std::vector<Material> atlas_materials;  ///< but for their texture, which is the atlas
+  std::vector<ClassArea> classes;         ///< of a leaf's triangles; none where the source names none
 };
 
 /// A surface without its looks that others are measured against, and how far it may be from the source.

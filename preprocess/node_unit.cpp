@@ -64,6 +64,7 @@ void write(UnitWriter& writer, const UnitNode& node) {
       writer.value(node.atlas);
   writer.value(node.atlas_record.width), writer.value(node.atlas_record.height), writer.value(node.atlas_record.flags);
   write(writer, node.atlas_materials);
+  writer.array(node.classes);
 }
 UnitNode read_node(UnitReader& reader) {
   UnitNode node;
@@ -74,6 +75,7 @@ UnitNode read_node(UnitReader& reader) {
   node.atlas_record.width = reader.value<uint32_t>(), node.atlas_record.height = reader.value<uint32_t>();
   node.atlas_record.flags = reader.value<uint32_t>();
   node.atlas_materials = read_materials(reader);
+  node.classes = reader.array<ClassArea>();
   return node;
 }
 
@@ -140,7 +142,7 @@ Result<NodeUnit> store_node_unit(const WorkFolder& folder, const std::string& na
     const UnitBlob mesh = assembly.add(stored.mesh);
     const UnitBlob atlas = assembly.add(stored.atlas);
     unit.nodes.push_back({stored.record, children[i], mesh, stored.step_m, stored.textures, atlas, stored.atlas_record,
-                          stored.atlas_materials});
+                          stored.atlas_materials, stored.classes});
   }
   unit.surface = assembly.add(surface_bytes(root));
   const auto tables = static_cast<uint64_t>(assembly.writer.bytes().size());

@@ -27,6 +27,7 @@ struct UnitNode {
   UnitBlob atlas;
   TextureRecord atlas_record;
   std::vector<Material> atlas_materials;
+  std::vector<ClassArea> classes;
 };
 
 /// A unit's nodes; the first is its root. Empty: a chunk without triangles.

@@ -43,8 +43,9 @@ class SliceSource {
         ++part_, instance_ = 0;
         continue;
       }
-      const size_t triangles = scene_->meshes[scene_->instances[instance_].mesh].triangle_count();
-      if (first_ >= triangles) {
+      const SceneInstance& instance = scene_->instances[instance_];
+      const size_t triangles = scene_->meshes[instance.mesh].triangle_count();
+      if (first_ >= triangles || instance.joint != kNoJoint) {  // what moves has trees of its own
         ++instance_, first_ = 0;
         continue;
       }
@@ -162,7 +163,7 @@ std::vector<std::byte> unit_of(const SpillIndex& index) {
   writer.value(uint64_t(index.chunks.size()));
   for (const ChunkSpill& chunk : index.chunks) {
     writer.value(chunk.triangles), writer.value(chunk.mesh_bytes);
-    writer.array(chunk.blocks);
+    writer.array(chunk.blocks), writer.array(chunk.classes);
   }
   return std::move(writer.bytes());
 }
@@ -177,7 +178,7 @@ std::optional<SpillIndex> finished_partition(const WorkFolder& folder, uint64_t 
   for (uint32_t i = 0; i < chunks; ++i) {
     ChunkSpill& chunk = index.chunks.emplace_back();
     chunk.triangles = reader.value<uint64_t>(), chunk.mesh_bytes = reader.value<uint64_t>();
-    chunk.blocks = reader.array<SpillBlock>();
+    chunk.blocks = reader.array<SpillBlock>(), chunk.classes = reader.array<ClassRun>();
   }
   const Result<RandomAccessFile> file = folder.open_unit(kSpillFile);
   if (!reader.ok() || !file.ok() || file->size() != index.file_bytes) return std::nullopt;
@@ -205,11 +206,13 @@ Status spill_slices(SliceSource& source, const Survey& survey, const ChunkTree& 
                 return work;
               }) & tbb::make_filter<Work, void>(tbb::filter_mode::serial_in_order, [&](const Work& work) {
                 if (failure) return;
+                const Slice& slice = work->first;
+                const uint32_t of = survey.class_of(slice.scene->instances[slice.instance].class_name);
                 for (const auto& [chunk, piece] : work->second)
-                  if (const Status status = writer.add(chunk, piece); !status.ok() && !failure)
+                  if (const Status status = writer.add(chunk, piece, of); !status.ok() && !failure)
                     failure = status.error();
                 done += work->first.last - work->first.first;
-                monitor.progress("partition", done, survey.triangles);
+                monitor.progress("partition", done, survey.triangles - survey.moving_triangles);
                 if (monitor.cancelled() && !failure) failure = Error{kInterrupted};
                 stop = failure.has_value();
               }));

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/animation.h"
 #include "geometry/mesh.h"
 
 namespace promenade {
@@ -27,6 +28,9 @@ struct SceneInstance {
       1.0};                ///< double: a mesh at UTM coordinates keeps small numbers in the mesh and the offset here
   std::string name;        ///< as in the source; may be empty
   std::string class_name;  ///< "chair", "Building", ...; may be empty
+  /// What the object hangs on; kNoJoint: it stands still. world_from_mesh is then where it rests while nothing plays.
+  uint32_t joint = kNoJoint;
+  glm::dmat4 joint_from_mesh{1.0};
 };
 
 /// What import found and mended. Names of counts are stable: they go into the manifest and --json.
@@ -34,7 +38,8 @@ struct ImportReport {
   /// Keys: triangles (each instance's), triangles_unique, vertices, instances, meshes; textures_missing,
   /// materials_missing, vertices_non_finite, vertices_out_of_range, attributes_non_finite, faces_degenerate,
   /// faces_duplicate, faces_non_planar, faces_unclean (crossing themselves), faces_reoriented, faces_dropped,
-  /// instances_dropped, nodes_skipped, primitives_skipped, features_skipped. A count of 0 may be absent.
+  /// instances_dropped, nodes_skipped, primitives_skipped, features_skipped; moving_objects,
+  /// animation_channels_dropped, animations_dropped (objects that stand still after all). A count of 0 may be absent.
   std::map<std::string, uint64_t> counts;
   std::vector<std::string> warnings;  ///< one line each, e.g. "missing texture facade.png"
 };
@@ -45,6 +50,7 @@ struct Scene {
   std::vector<Material> materials;  ///< Material::texture indexes `textures`; at least one
   std::vector<SourceTexture> textures;
   std::vector<SceneInstance> instances;
+  Animation animation;  ///< in the world: metres, z up
   ImportReport report;
 };
 

@@ -30,7 +30,8 @@ Result<SpillWriter> SpillWriter::create(const WorkFolder& folder, uint32_t chunk
   return SpillWriter(std::move(*file), chunks, buffer_bytes);
 }
 
-Status SpillWriter::add(uint32_t chunk, const Mesh& piece) {
+Status SpillWriter::add(uint32_t chunk, const Mesh& piece, uint32_t class_index) {
+  add_run(index_.chunks[chunk].classes, class_index, piece.triangle_count());
   append(buffers_[chunk], piece);
   const uint64_t bytes = byte_size(buffers_[chunk]);
   waiting_bytes_ += bytes - buffer_sizes_[chunk];

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/mesh.h"
+#include "preprocess/class_runs.h"
 #include "preprocess/work_folder.h"
 
 namespace promenade {
@@ -19,6 +20,7 @@ struct ChunkSpill {
   uint64_t triangles = 0;
   uint64_t mesh_bytes = 0;  ///< as a Mesh in memory
   std::vector<SpillBlock> blocks;
+  std::vector<ClassRun> classes;  ///< of the triangles in their order
 };
 struct SpillIndex {
   std::vector<ChunkSpill> chunks;
@@ -31,7 +33,8 @@ class SpillWriter {
   /// buffer_bytes: what may wait in memory, all chunks together.
   static Result<SpillWriter> create(const WorkFolder& folder, uint32_t chunks, uint64_t buffer_bytes);
 
-  Status add(uint32_t chunk, const Mesh& piece);
+  /// The piece is all of one class.
+  Status add(uint32_t chunk, const Mesh& piece, uint32_t class_index = 0);
   /// Writes what still waits and publishes the file.
   Result<SpillIndex> finish();
 

@@ -73,6 +73,18 @@ uint64_t hash_of(const Mesh& m, uint64_t seed) {
   return hash_of(m.materials, hash_of(m.indices, hash_of(m.colors, seed)));
 }
 
+uint64_t hash_of(const Animation& a, uint64_t seed) {
+  for (const AnimationTrack& t : a.tracks) {
+    const uint32_t fields[] = {uint32_t(t.way), t.components, t.first_time, t.first_value, t.keys};
+    seed = hash_of(t.period_s, checksum(std::as_bytes(std::span(fields)), seed));
+  }
+  for (const AnimationJoint& j : a.joints) {
+    seed = hash_of(j.parent_from_rest, hash_of(j.tracks, hash_of(j.parent, seed)));
+    seed = hash_of(j.translation, hash_of(j.rotation, hash_of(j.scale, seed)));
+  }
+  return hash_of(a.values, hash_of(a.times, seed));
+}
+
 uint64_t hash_of(const Scene& scene) {
   uint64_t hash = 0;
   for (const Mesh& mesh : scene.meshes) hash = hash_of(mesh, hash);
@@ -82,9 +94,12 @@ uint64_t hash_of(const Scene& scene) {
     hash = checksum(std::as_bytes(std::span(fields)), hash_of(m.color, hash));
   }
   for (const SourceTexture& texture : scene.textures) hash = hash_of(texture.encoded, hash);
-  for (const SceneInstance& instance : scene.instances)
+  for (const SceneInstance& instance : scene.instances) {
     hash = hash_of(instance.world_from_mesh, hash_of(instance.mesh, hash));
-  return hash;
+    hash = checksum(std::as_bytes(std::span(instance.class_name)), hash_of(instance.joint, hash));
+    if (instance.joint != kNoJoint) hash = hash_of(instance.joint_from_mesh, hash);
+  }
+  return hash_of(scene.animation, hash);
 }
 
 /// Passes on everything but progress: a part's own would only disturb that of all parts.
@@ -124,9 +139,11 @@ class Surveyor {
     surveyed.hash = hash_of(scene);
     PROMENADE_TRY(add_materials(scene, surveyed));
     for (const SceneInstance& instance : scene.instances) {
-      add_instance(scene.meshes[instance.mesh], instance.world_from_mesh);
+      survey_.classes.try_emplace(instance.class_name, static_cast<uint32_t>(survey_.classes.size()));
       surveyed.triangles += scene.meshes[instance.mesh].triangle_count();
+      if (instance.joint == kNoJoint) add_instance(scene.meshes[instance.mesh], instance.world_from_mesh);
     }
+    add_objects(scene);
     survey_.triangles += surveyed.triangles;
     for (const auto& [name, count] : scene.report.counts) survey_.report.counts[name] += count;
     for (const std::string& warning : scene.report.warnings) warn(warning);
@@ -167,6 +184,32 @@ class Surveyor {
       surveyed.material_of[m] = survey_.materials.add(material);
     }
     return Done{};
+  }
+
+  /// What hangs on one joint becomes one object.
+  void add_objects(const Scene& scene) {
+    std::vector<bool> used(scene.animation.joints.size(), false);
+    for (const SceneInstance& instance : scene.instances)
+      if (instance.joint != kNoJoint) used[instance.joint] = true;
+    const std::vector<uint32_t> joint_of = append_used(survey_.animation, scene.animation, used);
+    std::map<uint32_t, SurveyedObject> by_joint;
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+      const SceneInstance& instance = scene.instances[i];
+      if (instance.joint == kNoJoint) continue;
+      SurveyedObject& object = by_joint[instance.joint];
+      object.instances.push_back(i);
+      const Mesh& mesh = scene.meshes[instance.mesh];
+      survey_.world_box.add(
+          swept_box(scene.animation, instance.joint, transformed_box(bounds(mesh), instance.joint_from_mesh)));
+      survey_.moving_triangles += mesh.triangle_count();
+    }
+    for (auto& [joint, object] : by_joint) {
+      object.part = static_cast<uint32_t>(survey_.parts.size());
+      object.joint = joint_of[joint];
+      const double metres = 1 / largest_scale(scene.animation, joint);
+      for (int i = 0; i < 3; ++i) object.joint_from_object[i][i] = metres;
+      survey_.objects.push_back(std::move(object));
+    }
   }
 
   /// Many tiles may lack the same picture.

@@ -35,12 +35,25 @@ struct SurveyedPart {
 };
 constexpr uint32_t kUnusedMaterial = 0xffffffffU;
 
+/// What hangs on one joint of a part, and moves as one.
+struct SurveyedObject {
+  uint32_t part = 0;   ///< into Survey::parts
+  uint32_t joint = 0;  ///< into Survey::animation
+  std::vector<uint32_t> instances;
+  glm::dmat4 joint_from_object{1.0};  ///< as in MovingObject
+};
+
 struct Survey {
   std::vector<SurveyedPart> parts;
   DBox world_box;
   glm::dvec3 origin{0};  ///< model = world - origin
   uint64_t triangles = 0;
-  std::vector<TriangleSample> samples;
+  uint64_t moving_triangles = 0;        ///< of these
+  std::vector<TriangleSample> samples;  ///< of what stands still
+  Animation animation;
+  std::vector<SurveyedObject> objects;      ///< that move; by part
+  std::map<std::string, uint32_t> classes;  ///< numbered as they are met
+  uint32_t class_of(const std::string& name) const { return classes.at(name); }
   MaterialTable materials;
   ImportReport report;
   uint64_t hash = 0;  ///< of all parts

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <glm/geometric.hpp>
+#include <map>
 #include <mutex>
 #include <optional>
 
@@ -46,12 +48,40 @@ Result<std::vector<NodeSurface>> build_children(size_t count, const std::functio
   return surfaces;
 }
 
+/// Areas by class of some triangles of a mesh.
+class ClassAreas {
+ public:
+  /// No names: nothing is kept.
+  ClassAreas(const std::vector<ClassRun>& runs, bool named) {
+    if (!named) return;
+    uint64_t end = 0;
+    for (const ClassRun& run : runs) ends_.emplace_back(end += run.triangles, run.class_index);
+  }
+  std::vector<ClassArea> of(const Mesh& mesh, const std::vector<uint32_t>& triangles) const {
+    std::map<uint32_t, double> areas;
+    if (!ends_.empty())
+      for (const uint32_t t : triangles) {
+        const auto run = std::upper_bound(ends_.begin(), ends_.end(), std::pair<uint64_t, uint32_t>(t, kLast));
+        if (run != ends_.end()) areas[run->second] += double(glm::length(triangle_cross(mesh, t))) / 2;
+      }
+    std::vector<ClassArea> out;
+    out.reserve(areas.size());
+    for (const auto& [class_index, area] : areas) out.push_back({class_index, static_cast<float>(area)});
+    return out;
+  }
+
+ private:
+  static constexpr uint32_t kLast = 0xffffffffU;
+  std::vector<std::pair<uint64_t, uint32_t>> ends_;  ///< where a run ends, and its class
+};
+
 /// One chunk's nodes, bottom up. Nodes are built by several threads, each into its own slot.
 class ChunkWork {
  public:
-  ChunkWork(Mesh mesh, const Box& cell, float cut_step_m, const NodeBuilder& builder, const TreeOptions& options,
-            Progress& progress)
+  ChunkWork(Mesh mesh, const std::vector<ClassRun>& classes, const Box& cell, float cut_step_m,
+            const NodeBuilder& builder, const TreeOptions& options, Progress& progress)
       : mesh_(std::move(mesh)),
+        classes_(classes, options.named_classes),
         split_(split_chunk(mesh_, cell, options.node_triangles, options.level_factor, cut_step_m)),
         nodes_(split_.nodes.size()),
         builder_(builder),
@@ -73,6 +103,7 @@ class ChunkWork {
     Result<BuiltNode> built = node.children.empty() ? builder_.leaf(piece_of(mesh_, node.triangles)) : inner(node);
     if (!built.ok()) return built.error();
     if (node.children.empty()) progress_.add(node.triangles.size());
+    if (node.children.empty()) built->stored.classes = classes_.of(mesh_, node.triangles);
     nodes_[index] = std::move(built->stored);
     return std::move(built->surface);
   }
@@ -85,6 +116,7 @@ class ChunkWork {
   }
 
   Mesh mesh_;
+  ClassAreas classes_;
   SplitTree split_;
   std::vector<StoredNode> nodes_;
   const NodeBuilder& builder_;
@@ -189,9 +221,9 @@ class ChunkQueue {
     }
     Result<Mesh> mesh = read_spill(file, spill);
     if (!mesh.ok()) return fail(mesh.error());
-    Result<NodeUnit> unit =
-        ChunkWork(std::move(*mesh), tree_.chunk_cells[chunk], tree_.cut_step_m, builder_, options_, progress_)
-            .run(folder_, name, options_.hash);
+    Result<NodeUnit> unit = ChunkWork(std::move(*mesh), spill.classes, tree_.chunk_cells[chunk], tree_.cut_step_m,
+                                      builder_, options_, progress_)
+                                .run(folder_, name, options_.hash);
     if (!unit.ok()) return fail(unit.error());
     units[chunk] = std::move(*unit);
   }
@@ -244,6 +276,13 @@ Result<TreeUnits> build_tree(const SpillIndex& spill, const ChunkTree& tree, con
   if (!top.ok()) return top.error();
   units.top = std::move(*top);
   return units;
+}
+
+Result<NodeUnit> build_object(ObjectMesh object, const NodeBuilder& builder, const TreeOptions& options,
+                              const WorkFolder& folder, const std::string& name, JobMonitor& monitor) {
+  Progress progress(object.mesh.triangle_count(), monitor);
+  return ChunkWork(std::move(object.mesh), object.classes, unbounded_cell(), 0, builder, options, progress)
+      .run(folder, name, options.hash);
 }
 
 }  // namespace promenade

@@ -44,6 +44,7 @@ struct Texture {
   const int32_t* texels;
   const uint8_t* opacity;  ///< null: opaque
   uint32_t level_offset[kMaxMipLevels];
+  float level_width[kMaxMipLevels], level_height[kMaxMipLevels];  ///< texels
   uint32_t width, height, levels;
 };
 

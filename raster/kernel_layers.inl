@@ -1,15 +1,15 @@
 // Part of kernel.inl: what is seen through, layer by layer over the finished picture of the solid surfaces, from the
 // farthest to the nearest, in linear light.
 
-/// Opacities of the pixels that a layer covers in a tile. which: as find_distinct's.
-void find_opacities(const Frame& f, const Shading& s, const TileTriangles& t, const int32_t* which, const float* z,
+/// Opacities of the pixels that a layer covers in a tile. which: their triangles in the span.
+void find_opacities(const Frame& f, const Shading& s, const Span& span, const int32_t* which, const float* z,
                     int32_t tx, int32_t ty, float* opacity) {
-  MaskTriangle masks[kTilePixels];
+  MaskTriangle masks[kSpanTriangles];
   Frame flat = f;
   flat.screen_door = false;
-  for (int32_t k = 0; k < t.count; ++k) {
-    const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
-    set_up_mask(flat, item, t.id[k] - item.first_id, masks[k]);
+  for (int32_t k = 0; k < span.count; ++k) {
+    const Item& item = s.items[s.item_of_run[span.id[k] >> s.run_bits]];
+    set_up_mask(flat, item, span.id[k] - item.first_id, masks[k]);
   }
   const float x = first_center(tx, f.axis_x), y = first_center(ty, f.axis_y);
   for (int i = 0; i < kTilePixels; ++i) {
@@ -22,31 +22,24 @@ void find_opacities(const Frame& f, const Shading& s, const TileTriangles& t, co
   }
 }
 
-/// A tile of the picture, linear.
-struct LinearTile {
-  float color[3][kTilePixels];
-};
-
-void blend_layer(const Frame& f, const Shading& s, const Layer& layer, int32_t tx, int32_t ty, TileTriangles& t,
-                 TileFunctions& fn, LinearTile& under) {
+void blend_layer(const Frame& f, const Shading& s, const Layer& layer, int32_t tx, int32_t ty, ShadeRoom& room,
+                 LinearTile& under) {
   const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
-  alignas(64) int32_t which[kTilePixels];
+  Span span;
   alignas(64) float opacity[kTilePixels];
   const float* z = layer.z + tile;
-  find_distinct(f, z, layer.id + tile, t, which);
-  if (t.count == 0) return;
-  set_up_tile(f, s, tx, ty, t, fn);
-  find_opacities(f, s, t, which, z, tx, ty, opacity);
+  begin_span(span, tx);
+  add_tile(f, z, layer.id + tile, span);  // a span has room for the triangles of one tile
+  if (span.count == 0) return;
+  set_up_span(f, s, span, ty, room.triangles, room.functions);
+  color_tile(f, s, room.triangles, room.functions, {z, span.which[0], 0}, room.textures, room.linear);
+  find_opacities(f, s, span, span.which[0], z, tx, ty, opacity);
   for (int i = 0; i < kTilePixels; i += kLanes) {
-    const I shown = load(which + i);
-    const M covered = shown > splat(-1);
-    if (bits(covered) == 0) continue;
-    F color[3];
-    color_lanes(f, s, t, fn, shown, covered, load(z + i), LanePlace(i), color);
+    const M covered = load(span.which[0] + i) > splat(-1);
     const F share = load(opacity + i);
     for (int c = 0; c < 3; ++c) {
-      const F below = load(under.color[c] + i);
-      store(under.color[c] + i, select(covered, below + share * (color[c] - below), below));
+      const F below = load(under.color[c] + i), color = load(room.linear.color[c] + i);
+      store(under.color[c] + i, select(covered, below + share * (color - below), below));
     }
   }
 }
@@ -59,9 +52,8 @@ PROMENADE_INLINE bool is_empty(const uint32_t* id) {
 }
 
 void shade_layers_row(const Frame& f, const Shading& s, const Layer* layers, int32_t count, int32_t ty) {
-  TileTriangles t;
-  TileFunctions fn;
-  __builtin_memset(&t, 0, sizeof t);
+  ShadeRoom room;
+  __builtin_memset(&room, 0, sizeof room);
   for (int32_t tx = 0; tx < f.tiles_x; ++tx) {
     const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
     if (is_empty(layers[0].id + tile)) continue;  // then the layers behind it are empty, too
@@ -73,7 +65,7 @@ void shade_layers_row(const Frame& f, const Shading& s, const Layer* layers, int
       for (int c = 0; c < 3; ++c)
         linear.color[c][i] = pixels[i] == nullptr ? 0.0F : s.linear_of_srgb[*pixels[i] >> (8 * c) & 255U];
     }
-    for (int32_t l = count - 1; l >= 0; --l) blend_layer(f, s, layers[l], tx, ty, t, fn, linear);
+    for (int32_t l = count - 1; l >= 0; --l) blend_layer(f, s, layers[l], tx, ty, room, linear);
     for (int i = 0; i < kTilePixels; i += kLanes) {
       const F color[3] = {load(linear.color[0] + i), load(linear.color[1] + i), load(linear.color[2] + i)};
       int32_t rgba[kLanes];

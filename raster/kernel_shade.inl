@@ -1,18 +1,30 @@
-// Part of kernel.inl: colours, after the visibility is known, so that each pixel is shaded once. A tile's distinct
-// triangles are set up kLanes at a time (light at their corners, and every attribute divided by w as a linear function
-// over the picture); then its pixels are coloured kLanes at a time from those functions and the depth that they have.
+// Part of kernel.inl: colours, after the visibility is known, so that each pixel is shaded once. The distinct triangles
+// of a few tiles side by side (a span) are set up kLanes at a time (light at their corners, and every attribute divided
+// by w as a linear function over the picture); then each tile's pixels are coloured kLanes at a time from those
+// functions and the depth that they have.
 
-/// The distinct triangles of a tile, corner by corner, in model space.
-struct TileTriangles {
-  uint32_t id[kTilePixels];
+constexpr int32_t kSpanTiles = 4, kSpanTriangles = 64;
+
+/// Tiles of one row that have at most kSpanTriangles distinct triangles together.
+struct Span {
+  int32_t first, tiles;
   int32_t count;
-  alignas(64) float p[3][3][kTilePixels];  ///< corner, axis
-  alignas(64) float normal[3][3][kTilePixels];
-  alignas(64) float color[3][3][kTilePixels];  ///< linear, the material's included
-  alignas(64) float uv[3][2][kTilePixels];
-  alignas(64) int32_t smooth[kTilePixels];  ///< 1: has normals
-  alignas(64) float texture[kTilePixels];   ///< which of `surfaces`; -1: none
-  const Surface* surfaces[kTilePixels];     ///< the distinct textured ones
+  uint32_t id[kSpanTriangles];
+  uint8_t slots[2 * kSpanTriangles];                   ///< hash table of places in `id`; 255: none
+  alignas(64) int32_t which[kSpanTiles][kTilePixels];  ///< triangle of each pixel; -1: none
+};
+
+/// A span's triangles, corner by corner, in model space.
+struct SpanTriangles {
+  int32_t count;
+  alignas(64) float p[3][3][kSpanTriangles];  ///< corner, axis
+  alignas(64) float normal[3][3][kSpanTriangles];
+  alignas(
+      64) float color[3][3][kSpanTriangles];   ///< linear, the material's included; the first corner's unless varying
+  alignas(64) float uv[3][2][kSpanTriangles];  ///< textured ones only
+  alignas(64) int32_t smooth[kSpanTriangles];  ///< 1: has normals
+  alignas(64) float texture[kSpanTriangles];   ///< which of `surfaces`; -1: none
+  const Surface* surfaces[kSpanTriangles];     ///< the distinct textured ones
   int32_t surface_count;
   bool varying;  ///< some triangle's lit colour may differ from corner to corner
 };
@@ -39,46 +51,58 @@ enum Slot : int {
   slot_count
 };
 
-/// Value at the tile's first pixel and change a pixel of each attribute times 1/w (orthographic: times 1).
-struct TileFunctions {
-  alignas(64) float a[slot_count][kTilePixels];
+/// Value at the span's first pixel and change a pixel of each attribute times 1/w (orthographic: times 1).
+struct SpanFunctions {
+  alignas(64) float a[slot_count][kSpanTriangles];
 };
 
-/// Which distinct triangle each pixel of a tile shows; -1: none.
-void find_distinct(const Frame& f, const float* z, const uint32_t* id, TileTriangles& t, int32_t* which) {
-  t.count = 0;
+void begin_span(Span& span, int32_t first) {
+  span.first = first, span.tiles = 0, span.count = 0;
+  __builtin_memset(span.slots, 255, sizeof span.slots);
+}
+
+/// The triangle's place in the span, which it is given if it has none; -1: there is no room.
+PROMENADE_INLINE int32_t place_in_span(Span& span, uint32_t id) {
+  constexpr uint32_t kSlots = sizeof span.slots;
+  static_assert(kSlots == 128);
+  uint32_t slot = (id * 0x9e3779b1U) >> 25;
+  while (span.slots[slot] != 255 && span.id[span.slots[slot]] != id) slot = (slot + 1) & (kSlots - 1);
+  if (span.slots[slot] != 255) return span.slots[slot];
+  if (span.count == kSpanTriangles) return -1;
+  span.slots[slot] = static_cast<uint8_t>(span.count), span.id[span.count] = id;
+  return span.count++;
+}
+
+/// Finds the tile's triangles; false: with them the span would have too many, and it is complete without the tile.
+bool add_tile(const Frame& f, const float* z, const uint32_t* id, Span& span) {
+  if (span.tiles == kSpanTiles) return false;
+  const int32_t before = span.count;
   const int32_t* ids = reinterpret_cast<const int32_t*>(id);
-  const I first = splat(ids[0]);
-  M same = mask_of((1U << kLanes) - 1U);
+  int32_t* which = span.which[span.tiles];
+  constexpr uint32_t kAll = (1U << kLanes) - 1U;
+  const I first = splat(ids[0]), none = splat(static_cast<int32_t>(kNoSurface));
+  M same = mask_of(kAll);
   for (int i = 0; i < kTilePixels; i += kLanes)
     same = same & equal(load(ids + i), first) & (load(z + i) > splat(f.clear_z));
-  if (id[0] != kNoSurface && bits(same) == (1U << kLanes) - 1U) {
-    for (int i = 0; i < kTilePixels; i += kLanes) store(which + i, splat(0));
-    t.id[t.count++] = id[0];
-    return;
-  }
-  constexpr uint32_t kSlots = 128;
-  uint8_t table[kSlots];
-  bool table_ready = false;
-  uint32_t last_id = kNoSurface;
-  int32_t last = -1;
-  for (int i = 0; i < kTilePixels; ++i) {
-    if (z[i] == f.clear_z || id[i] == kNoSurface) {
-      which[i] = -1;
-      continue;
-    }
-    if (id[i] != last_id || last < 0) {
-      if (!table_ready) {
-        __builtin_memset(table, 255, kSlots);
-        table_ready = true;
+  const bool one = id[0] != kNoSurface && bits(same) == kAll;
+  for (int i = 0; i < kTilePixels; i += kLanes) {
+    const I here = load(ids + i);
+    I places = splat(-1);
+    uint32_t left = one ? kAll : bits(load(z + i) > splat(f.clear_z)) & ~bits(equal(here, none));
+    while (left != 0) {
+      const uint32_t next = id[i + __builtin_ctz(left)];
+      const int32_t place = place_in_span(span, next);
+      if (place < 0) {
+        span.count = before;
+        return false;
       }
-      uint32_t slot = (id[i] * 0x9e3779b1U) >> 25;
-      while (table[slot] != 255 && t.id[table[slot]] != id[i]) slot = (slot + 1) & (kSlots - 1);
-      if (table[slot] == 255) table[slot] = static_cast<uint8_t>(t.count), t.id[t.count++] = id[i];
-      last = table[slot], last_id = id[i];
+      const M like = equal(here, splat(static_cast<int32_t>(next))) & mask_of(left);  // ids outlive their pixels
+      places = select(like, splat(place), places), left &= ~bits(like);
     }
-    which[i] = last;
+    store(which + i, places);
   }
+  ++span.tiles;
+  return true;
 }
 
 PROMENADE_INLINE void to_model(const Item& item, float* p) {
@@ -88,68 +112,105 @@ PROMENADE_INLINE void to_model(const Item& item, float* p) {
         (item.model_rows[i][0] * x + item.model_rows[i][1] * y) + (item.model_rows[i][2] * z + item.model_rows[i][3]);
 }
 
+/// Has memory bring what lies there, by reading it, one read beside the other: the prefetch instruction was measured to
+/// do nothing for triangles that lie anywhere.
+template <class T>
+PROMENADE_INLINE void ask_for(const T* p) {
+  static_cast<void>(*const_cast<const volatile T*>(p));
+}
+
 /// Ask for what fetch_triangle will read of all triangles at once, because they lie anywhere in memory: first for their
 /// corners' numbers, then for what these name.
-void ask_for_triangles(const Shading& s, const TileTriangles& t) {
-  for (int32_t k = 0; k < t.count; ++k) {
-    const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
+void ask_for_triangles(const Shading& s, const Span& span) {
+  for (int32_t k = 0; k < span.count; ++k) ask_for(&s.items[s.item_of_run[span.id[k] >> s.run_bits]].indices);
+  for (int32_t k = 0; k < span.count; ++k) {
+    const Item& item = s.items[s.item_of_run[span.id[k] >> s.run_bits]];
     if (item.indices == nullptr) continue;
-    const uint64_t triangle = t.id[k] - item.first_id;
-    __builtin_prefetch(item.indices + 3 * triangle);
-    if (item.materials != nullptr) __builtin_prefetch(item.materials + triangle);
+    const uint64_t triangle = span.id[k] - item.first_id;
+    ask_for(item.indices + 3 * triangle);
+    if (item.materials != nullptr) ask_for(item.materials + triangle);
   }
 }
-void ask_for_corners(const Shading& s, const TileTriangles& t) {
-  for (int32_t k = 0; k < t.count; ++k) {
-    const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
+void ask_for_corners(const Shading& s, const Span& span) {
+  for (int32_t k = 0; k < span.count; ++k) {
+    const Item& item = s.items[s.item_of_run[span.id[k] >> s.run_bits]];
     if (item.indices == nullptr) continue;
-    const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(t.id[k] - item.first_id);
-    for (int i = 0; i < 3; ++i) __builtin_prefetch(item.positions + 3 * static_cast<uint64_t>(index[i]));
-    if (item.texcoords != nullptr) __builtin_prefetch(item.texcoords + 2 * static_cast<uint64_t>(index[0]));
-    if (item.normals != nullptr) __builtin_prefetch(item.normals + 3 * static_cast<uint64_t>(index[0]));
+    const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(span.id[k] - item.first_id);
+    for (int i = 0; i < 3; ++i) ask_for(item.positions + 3 * static_cast<uint64_t>(index[i]));
+    if (item.texcoords != nullptr) ask_for(item.texcoords + 2 * static_cast<uint64_t>(index[0]));
+    if (item.normals != nullptr) ask_for(item.normals + 3 * static_cast<uint64_t>(index[0]));
   }
 }
 
-float number_of_surface(TileTriangles& t, const Surface* surface) {
+float number_of_surface(SpanTriangles& t, const Surface* surface) {
   for (int32_t i = 0; i < t.surface_count; ++i)
     if (t.surfaces[i] == surface) return static_cast<float>(i);
   t.surfaces[t.surface_count] = surface;
   return static_cast<float>(t.surface_count++);
 }
 
-/// Brings one triangle's corners into the tile's arrays.
-void fetch_triangle(const Shading& s, TileTriangles& t, int32_t k) {
-  const Item& item = s.items[s.item_of_run[t.id[k] >> s.run_bits]];
-  const uint64_t triangle = t.id[k] - item.first_id;
-  t.texture[k] = -1, t.smooth[k] = 0;
-  bool textured = false;
-  float base[3] = {1, 1, 1};
-  const bool bare = item.indices == nullptr;
-  t.varying |= item.normals != nullptr || item.colors != nullptr;
-  const uint32_t material = bare || item.materials == nullptr ? 0 : item.materials[triangle];
-  if (item.surfaces != nullptr && material < item.surface_count) {
-    const Surface& surface = item.surfaces[material];
-    for (int c = 0; c < 3; ++c) base[c] = surface.color[c];
-    textured = s.has_textures && surface.texture != nullptr && item.texcoords != nullptr;
-    if (textured) t.texture[k] = number_of_surface(t, &surface);
-  }
+/// Colours and normals of a triangle whose corners differ; `color` holds the material's.
+void fetch_corners(const Shading& s, const Item& item, const uint32_t* index, SpanTriangles& t, int32_t k) {
+  const float material[3] = {t.color[0][0][k], t.color[0][1][k], t.color[0][2][k]};
   for (int v = 0; v < 3; ++v) {
-    const uint64_t at = bare ? 0 : item.indices[3 * triangle + static_cast<uint64_t>(v)];
-    float p[3] = {0, 0, 0};
-    if (!bare) p[0] = item.positions[3 * at], p[1] = item.positions[3 * at + 1], p[2] = item.positions[3 * at + 2];
-    if (item.placed) to_model(item, p);
-    for (int c = 0; c < 3; ++c) t.p[v][c][k] = p[c], t.color[v][c][k] = base[c];
-    t.uv[v][0][k] = 0, t.uv[v][1][k] = 0;
-    if (textured) t.uv[v][0][k] = item.texcoords[2 * at], t.uv[v][1][k] = item.texcoords[2 * at + 1];
-    if (!bare && item.colors != nullptr)
-      for (int c = 0; c < 3; ++c) t.color[v][c][k] *= s.linear_of_srgb[item.colors[at] >> (8 * c) & 255U];
-    if (bare || item.normals == nullptr) continue;
+    const uint64_t at = index[v];
+    for (int c = 0; c < 3; ++c)
+      t.color[v][c][k] =
+          item.colors != nullptr ? material[c] * s.linear_of_srgb[item.colors[at] >> (8 * c) & 255U] : material[c];
+    if (item.normals == nullptr) continue;
     const float* n = item.normals + 3 * at;
     if (n[0] != 0 || n[1] != 0 || n[2] != 0) t.smooth[k] = 1;
     for (int c = 0; c < 3; ++c)
       t.normal[v][c][k] =
           item.placed ? (item.normal_rows[c][0] * n[0] + item.normal_rows[c][1] * n[1]) + item.normal_rows[c][2] * n[2]
                       : n[c];
+  }
+}
+
+/// Brings one triangle's corners into the span's arrays; false: its corners' colours may differ.
+PROMENADE_INLINE bool fetch_triangle(const Shading& s, uint32_t id, SpanTriangles& t, int32_t k) {
+  const Item& item = s.items[s.item_of_run[id >> s.run_bits]];
+  const uint64_t triangle = id - item.first_id;
+  t.texture[k] = -1, t.smooth[k] = 0;
+  const bool bare = item.indices == nullptr;
+  const uint32_t material = bare || item.materials == nullptr ? 0 : item.materials[triangle];
+  const Surface* surface =
+      item.surfaces != nullptr && material < item.surface_count ? item.surfaces + material : nullptr;
+  for (int c = 0; c < 3; ++c) t.color[0][c][k] = surface == nullptr ? 1.0F : surface->color[c];
+  if (bare) {
+    for (int v = 0; v < 3; ++v)
+      for (int c = 0; c < 3; ++c) t.p[v][c][k] = item.placed ? item.model_rows[c][3] : 0;
+    return true;
+  }
+  const uint32_t* index = item.indices + 3 * triangle;
+  for (int v = 0; v < 3; ++v) {
+    const float* at = item.positions + 3 * static_cast<uint64_t>(index[v]);
+    float p[3] = {at[0], at[1], at[2]};
+    if (item.placed) to_model(item, p);
+    for (int c = 0; c < 3; ++c) t.p[v][c][k] = p[c];
+  }
+  if (s.has_textures && surface != nullptr && surface->texture != nullptr && item.texcoords != nullptr) {
+    t.texture[k] = number_of_surface(t, surface);
+    for (int v = 0; v < 3; ++v) {
+      const float* at = item.texcoords + 2 * static_cast<uint64_t>(index[v]);
+      t.uv[v][0][k] = at[0], t.uv[v][1][k] = at[1];
+    }
+  }
+  if (item.normals == nullptr && item.colors == nullptr) return true;
+  fetch_corners(s, item, index, t, k);
+  return false;
+}
+
+/// Brings all of a span's triangles into its arrays.
+void fetch_triangles(const Shading& s, const Span& span, SpanTriangles& t) {
+  t.count = span.count, t.surface_count = 0;
+  uint64_t flat = 0;
+  for (int32_t k = 0; k < span.count; ++k) flat |= (fetch_triangle(s, span.id[k], t, k) ? uint64_t(1) : 0) << k;
+  t.varying = flat != (span.count == 64 ? ~uint64_t(0) : (uint64_t(1) << span.count) - 1);
+  if (!t.varying) return;
+  for (; flat != 0; flat &= flat - 1) {
+    const int k = __builtin_ctzll(flat);
+    for (int c = 0; c < 3; ++c) t.color[1][c][k] = t.color[2][c][k] = t.color[0][c][k];
   }
 }
 
@@ -169,7 +230,7 @@ PROMENADE_INLINE void make_unit(F* n) {
 }
 
 /// Lit colours at the corners, in place of the plain ones.
-PROMENADE_INLINE void light_corners(const Shading& s, TileTriangles& t, int32_t first) {
+PROMENADE_INLINE void light_corners(const Shading& s, SpanTriangles& t, int32_t first) {
   F e1[3], e2[3], n[3], to_eye[3];
   for (int c = 0; c < 3; ++c) {
     const F a = load(t.p[0][c] + first);
@@ -189,7 +250,7 @@ PROMENADE_INLINE void light_corners(const Shading& s, TileTriangles& t, int32_t 
   const bool any_smooth = bits(smooth) != 0;
   F light[3];
   light_on(s, n, light);
-  for (int v = 0; v < 3; ++v) {
+  for (int v = 0; v < (t.varying ? 3 : 1); ++v) {
     F here[3] = {light[0], light[1], light[2]};
     if (any_smooth) {
       F m[3];
@@ -205,8 +266,8 @@ PROMENADE_INLINE void light_corners(const Shading& s, TileTriangles& t, int32_t 
 
 /// The long way for triangles that reach behind the near plane or far out of the picture: in double, without dividing
 /// by their w.
-void set_up_far_reaching(const Frame& f, const Shading& s, const TileTriangles& t, int32_t k, float x, float y,
-                         TileFunctions& out) {
+void set_up_far_reaching(const Frame& f, const Shading& s, const SpanTriangles& t, int32_t k, float x, float y,
+                         SpanFunctions& out) {
   ViewPoint p[3];
   for (int v = 0; v < 3; ++v) {
     const float d[3] = {(t.p[v][0][k] - s.eye_hi[0]) - s.eye_lo[0], (t.p[v][1][k] - s.eye_hi[1]) - s.eye_lo[1],
@@ -235,10 +296,10 @@ void set_up_far_reaching(const Frame& f, const Shading& s, const TileTriangles& 
   }
 }
 
-/// Functions over the picture of kLanes triangles from `first` on; x, y: centre of the tile's first pixel, sub-pixels
+/// Functions over the picture of kLanes triangles from `first` on; x, y: centre of the span's first pixel, sub-pixels
 /// from the axis.
-PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileTriangles& t, int32_t first, float x,
-                                   float y, TileFunctions& out) {
+PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const SpanTriangles& t, int32_t first, float x,
+                                   float y, SpanFunctions& out) {
   F px[3], py[3], pz[3];
   const F one = splat(1.0F), near = splat(f.near_m), pixel = splat(static_cast<float>(kSubpixel));
   M far = mask_of(0);
@@ -266,7 +327,7 @@ PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileT
     store(out.a[dy] + first, gy);
     store(out.a[at] + first, a0 + (gx * to_x + gy * to_y));
   };
-  const auto corner = [&](const float(*v)[kTilePixels], int axis) { return load(v[axis] + first); };
+  const auto corner = [&](const float(*v)[kSpanTriangles], int axis) { return load(v[axis] + first); };
   if (t.surface_count > 0) {
     put(corner(t.uv[0], 0), corner(t.uv[1], 0), corner(t.uv[2], 0), slot_u, slot_ux, slot_uy);
     put(corner(t.uv[0], 1), corner(t.uv[1], 1), corner(t.uv[2], 1), slot_v, slot_vx, slot_vy);
@@ -284,106 +345,7 @@ PROMENADE_INLINE void set_up_lanes(const Frame& f, const Shading& s, const TileT
   for (; redo != 0; redo &= redo - 1) set_up_far_reaching(f, s, t, first + __builtin_ctz(redo), x, y, out);
 }
 
-// --- Textures
-// ----------------------------------------------------------------------------------------------------------
-
-/// A texture coordinate in texels from the first one's centre, wrapped; >= -0.5.
-PROMENADE_INLINE F wrapped(F t, uint8_t wrap, I size) {
-  const F zero = splat(0.0F), one = splat(1.0F);
-  t = max(min(t, splat(1e6F)), splat(-1e6F));
-  if (wrap == 2) {
-    t = max(min(t, one), zero);
-  } else if (wrap == 1) {
-    t = t * splat(0.5F), t = (t - floor(t)) * splat(2.0F);
-    t = min(t, splat(2.0F) - t);
-  } else {
-    t = t - floor(t);
-  }
-  return t * to_float(size) - splat(0.5F);
-}
-
-/// A bilinear sample of one mip level, linear.
-PROMENADE_INLINE void sample_level(const Surface& surface, F u, F v, I level, M active, F* out) {
-  const Texture& t = *surface.texture;
-  const I zero = splat(0), width = max(shift_right_by(splat(static_cast<int32_t>(t.width)), level), splat(1));
-  const I height = max(shift_right_by(splat(static_cast<int32_t>(t.height)), level), splat(1));
-  const I offset = Table16(t.level_offset)[level];
-  const F fu = wrapped(u, surface.wrap_u, width), fv = wrapped(v, surface.wrap_v, height);
-  const F whole_u = floor(fu), whole_v = floor(fv), sy = fv - whole_v;
-  F sx = fu - whole_u;
-  const I last_x = width - splat(1), last_y = height - splat(1);
-  I x = truncate(whole_u), y[2] = {truncate(whole_v), truncate(whole_v) + splat(1)};
-  if (surface.wrap_u == 0)
-    x = select(x < zero, last_x, x);  // the row's last texel is its first again
-  else
-    sx = select((x < zero) | (x > last_x - splat(1)), splat(0.0F), sx);
-  if (surface.wrap_v == 0) y[0] = select(y[0] < zero, last_y, y[0]), y[1] = select(y[1] > last_y, zero, y[1]);
-  x = max(min(x, last_x), zero);
-  for (int c = 0; c < 3; ++c) out[c] = splat(0.0F);
-  const I low = splat(1023);
-  for (int j = 0; j < 2; ++j) {
-    const I row = offset + max(min(y[j], last_y), zero) * (width + splat(1));
-    I texel[2];
-    gather_pairs(t.texels, select(active, row + x, zero), texel[0], texel[1]);
-    const F down = j == 0 ? splat(1.0F) - sy : sy;
-    for (int i = 0; i < 2; ++i) {
-      const F weight = (i == 0 ? splat(1.0F) - sx : sx) * down;
-      const F r = to_float(texel[i] & low), g = to_float(shift_right<10>(texel[i]) & low),
-              b = to_float(shift_right<20>(texel[i]));
-      out[0] = out[0] + weight * (r * r), out[1] = out[1] + weight * (g * g), out[2] = out[2] + weight * (b * b);
-    }
-  }
-  for (int c = 0; c < 3; ++c) out[c] = out[c] * splat(1.0F / (1023.0F * 1023.0F));
-}
-
-/// Logarithm to the base 2 of a positive number, to 0.01: enough to choose mip levels by.
-PROMENADE_INLINE F rough_log2(F a) {
-  const I raw = as_int(a);
-  const F exponent = to_float(shift_right<23>(raw) - splat(127));
-  const F m = as_float((raw & splat(0x7fffff)) | splat(0x3f800000)) - splat(1.0F);
-  return exponent + m * (splat(1.3465F) - m * splat(0.3465F));
-}
-
-/// Trilinear at one place of each lane's footprint. Levels are blended in the middle half between them only: nobody
-/// sees it, and often one level is enough.
-PROMENADE_INLINE void sample_mips(const Surface& surface, F u, F v, F lod, M active, F* out) {
-  const F zero = splat(0.0F), one = splat(1.0F);
-  const F whole = floor(lod + splat(0.25F));  // from there on the level is the next one
-  const F share = max(min((lod - whole) * splat(2.0F) - splat(0.5F), one), zero);
-  const I level = truncate(whole);
-  sample_level(surface, u, v, level, active, out);
-  const M between = active & (share > zero);
-  if (bits(between) == 0) return;
-  F coarse[3];
-  const I next = min(level + splat(1), splat(static_cast<int32_t>(surface.texture->levels - 1)));
-  sample_level(surface, u, v, next, between, coarse);
-  for (int c = 0; c < 3; ++c) out[c] = out[c] + share * (coarse[c] - out[c]);
-}
-
-/// Trilinear; where the footprint is long, several samples along it. du..: change of u and v a pixel.
-PROMENADE_INLINE void sample_texture(const Surface& surface, F u, F v, F dux, F duy, F dvx, F dvy, float anisotropy,
-                                     M active, F* out) {
-  const Texture& t = *surface.texture;
-  const F width = splat(static_cast<float>(t.width)), height = splat(static_cast<float>(t.height));
-  const F ax = dux * width, ay = dvx * height, bx = duy * width, by = dvy * height;
-  const F a = min(ax * ax + ay * ay, splat(1e30F)), b = min(bx * bx + by * by, splat(1e30F));
-  const F top = splat(static_cast<float>(t.levels - 1)), zero = splat(0.0F), one = splat(1.0F);
-  const F longest = max(max(a, b), splat(1e-30F)), shortest = max(min(a, b), splat(1.0F));  // no finer than a texel
-  const F wanted = floor(sqrt(max(longest / shortest, one)) + splat(0.5F));
-  const F count = min(wanted, splat(anisotropy));
-  const F lod = max(min(rough_log2(longest / (count * count)) * splat(0.5F), top), zero);
-  if (bits(active & (count > one)) == 0) return sample_mips(surface, u, v, lod, active, out);
-  const F along_u = select(a >= b, dux, duy), along_v = select(a >= b, dvx, dvy), share = one / count;
-  for (int c = 0; c < 3; ++c) out[c] = zero;
-  for (float i = 0;; i += 1.0F) {
-    const M taken = active & (count > splat(i));
-    if (bits(taken) == 0) return;
-    const F offset = (splat(i) + splat(0.5F)) * share - splat(0.5F);
-    F sample[3];
-    sample_mips(surface, u + along_u * offset, v + along_v * offset, lod, taken, sample);
-    for (int c = 0; c < 3; ++c) out[c] = out[c] + select(taken, sample[c] * share, zero);
-  }
-}
+#include "raster/kernel_texture.inl"
 
 // --- Pixels
 // ------------------------------------------------------------------------------------------------------------
@@ -417,85 +379,142 @@ PROMENADE_INLINE I sky_at(const Shading& s, F x, F y) {
   return packed_srgb(color);
 }
 
-/// Multiplies the colours of the covered lanes by their textures.
-PROMENADE_INLINE void apply_textures(const Frame& f, const TileTriangles& t, const TileFunctions& fn, I which,
-                                     M covered, F dx, F dy, F w, float anisotropy, F* color) {
-  const auto slot = [&](int k) { return Table64(fn.a[k])[which]; };
-  const F ux = slot(slot_ux), uy = slot(slot_uy), vx = slot(slot_vx), vy = slot(slot_vy);
-  const F u = (slot(slot_u) + (ux * dx + uy * dy)) * w, v = (slot(slot_v) + (vx * dx + vy * dy)) * w;
-  F zx = splat(0.0F), zy = zx;
-  if (!f.orthographic) zx = slot(slot_zx), zy = slot(slot_zy);
-  const F dux = (ux - u * zx) * w, duy = (uy - u * zy) * w, dvx = (vx - v * zx) * w, dvy = (vy - v * zy) * w;
-  const F texture = Table64(t.texture)[which];
-  for (int32_t i = 0; i < t.surface_count; ++i) {
-    const F number = splat(static_cast<float>(i));
-    const M active = covered & (texture >= number) & (texture <= number);
-    if (bits(active) == 0) continue;
-    F texel[3];
-    sample_texture(*t.surfaces[i], u, v, dux, duy, dvx, dvy, anisotropy, active, texel);
-    for (int c = 0; c < 3; ++c) color[c] = select(active, color[c] * texel[c], color[c]);
-  }
-}
-
 /// The centre of a tile's first pixel, in sub-pixels from the axis.
 PROMENADE_INLINE float first_center(int32_t tile, int32_t axis) {
   return static_cast<float>(tile * kTile * kSubpixel + kSubpixel / 2 - axis);
 }
 
-/// Brings the triangles of a tile, which find_distinct has found, and their attributes as functions over it, into
-/// place.
-void set_up_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, TileTriangles& t, TileFunctions& fn) {
-  t.surface_count = 0, t.varying = false;
-  for (int32_t k = 0; k < t.count; ++k) fetch_triangle(s, t, k);
+/// Brings the triangles of a span, and their attributes as functions over it, into place.
+void set_up_span(const Frame& f, const Shading& s, const Span& span, int32_t ty, SpanTriangles& t, SpanFunctions& fn) {
+  fetch_triangles(s, span, t);
   for (int32_t k = 0; k < t.count; k += kLanes) {
     light_corners(s, t, k);
-    set_up_lanes(f, s, t, k, first_center(tx, f.axis_x), first_center(ty, f.axis_y), fn);
+    set_up_lanes(f, s, t, k, first_center(span.first, f.axis_x), first_center(ty, f.axis_y), fn);
   }
 }
 
-/// Pixels of a tile, kLanes from `first` on: how far they lie from its first pixel.
+/// Pixels of a tile, kLanes from `first` on: how far they lie from the span's first pixel. tile: of the span.
 struct LanePlace {
   F dx, dy;
-  explicit LanePlace(int first)
-      : dx(load(kOffsets.x) + splat(static_cast<float>((first / 16 & 1) * 4))),
+  LanePlace(int32_t tile, int first)
+      : dx(load(kOffsets.x) + splat(static_cast<float>(tile * kTile + (first / 16 & 1) * 4))),
         dy(load(kOffsets.y) + splat(static_cast<float>((first / 32) * 4 + first % 16 / 4))) {}
 };
 
-/// Linear colours of the covered lanes. z: their depths.
-PROMENADE_INLINE void color_lanes(const Frame& f, const Shading& s, const TileTriangles& t, const TileFunctions& fn,
-                                  I shown, M covered, F z, const LanePlace& at, F* color) {
-  const I seen = max(shown, splat(0));
-  const F w = f.orthographic ? splat(1.0F) : splat(1.0F) / select(covered, z, splat(1.0F));
-  const auto slot = [&](int k) { return Table64(fn.a[k])[seen]; };
-  for (int c = 0; c < 3; ++c) {
-    color[c] = slot(slot_r + 3 * c);
-    if (t.varying) color[c] = (color[c] + (slot(slot_rx + 3 * c) * at.dx + slot(slot_ry + 3 * c) * at.dy)) * w;
-  }
-  if (t.surface_count > 0) apply_textures(f, t, fn, seen, covered, at.dx, at.dy, w, s.anisotropy, color);
-}
-
-/// A tile on its way to its colours.
-struct ShadedTile {
-  TileTriangles triangles;
-  alignas(64) int32_t which[kTilePixels];
+/// What is known of a tile's pixels: their depths, and their triangles as places in the span; -1: none.
+struct TilePixels {
+  const float* z;
+  const int32_t* which;
+  int32_t tile;  ///< of the span
 };
 
-void shade_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, ShadedTile& shaded, TileFunctions& fn) {
-  const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
-  TileTriangles& t = shaded.triangles;
-  set_up_tile(f, s, tx, ty, t, fn);
+/// Metres along the view axis; orthographic: 1.
+PROMENADE_INLINE F distance_of(const Frame& f, const TilePixels& pixels, int first, M covered) {
+  const F one = splat(1.0F);
+  return f.orthographic ? one : one / select(covered, load(pixels.z + first), one);
+}
+
+/// kEntries: at least the span's triangles.
+template <int kEntries>
+PROMENADE_INLINE void place_textures(const Frame& f, const SpanTriangles& t, const SpanFunctions& fn,
+                                     const TilePixels& pixels, TexturePlaces& out) {
+  for (int i = 0; i < kTilePixels; i += kLanes) {
+    const I shown = load(pixels.which + i), seen = max(shown, splat(0));
+    const M covered = shown > splat(-1);
+    const LanePlace at(pixels.tile, i);
+    const F w = distance_of(f, pixels, i, covered);
+    const auto slot = [&](int k) { return Table<kEntries>(fn.a[k])[seen]; };
+    const F ux = slot(slot_ux), uy = slot(slot_uy), vx = slot(slot_vx), vy = slot(slot_vy);
+    const F u = (slot(slot_u) + (ux * at.dx + uy * at.dy)) * w, v = (slot(slot_v) + (vx * at.dx + vy * at.dy)) * w;
+    F zx = splat(0.0F), zy = zx;
+    if (!f.orthographic) zx = slot(slot_zx), zy = slot(slot_zy);
+    store(out.u + i, u);
+    store(out.v + i, v);
+    store(out.dux + i, (ux - u * zx) * w);
+    store(out.duy + i, (uy - u * zy) * w);
+    store(out.dvx + i, (vx - v * zx) * w);
+    store(out.dvy + i, (vy - v * zy) * w);
+    store(out.surface + i, select(covered, Table<kEntries>(t.texture)[seen], splat(-1.0F)));
+  }
+}
+
+/// A tile of the picture, linear.
+struct LinearTile {
+  alignas(64) float color[3][kTilePixels];
+};
+
+/// Room for one tile's textures.
+struct TextureRoom {
+  TexturePlaces places;
+  Samples samples;
+  LinearTile sum;
+};
+
+/// The textures' colours of a tile's pixels into room.sum; what has no texture gets 1.
+template <int kEntries>
+PROMENADE_INLINE void sample_textures(const Frame& f, const Shading& s, const SpanTriangles& t, const SpanFunctions& fn,
+                                      const TilePixels& pixels, TextureRoom& room) {
+  place_textures<kEntries>(f, t, fn, pixels, room.places);
+  F most = splat(-1.0F);
+  for (int i = 0; i < kTilePixels; i += kLanes) {
+    const F surface = load(room.places.surface + i);
+    const F plain = select(surface < splat(0.0F), splat(1.0F), splat(0.0F));
+    for (int c = 0; c < 3; ++c) store(room.sum.color[c] + i, plain);
+    most = max(most, surface);
+  }
+  for (int32_t i = 0; i < t.surface_count; ++i) {
+    if (bits(most >= splat(static_cast<float>(i))) == 0) return;
+    sample_surface(*t.surfaces[i], i, room.places, s.anisotropy, room.samples, room.sum.color);
+  }
+}
+
+/// Linear colours of a tile's covered pixels.
+template <int kEntries>
+PROMENADE_INLINE void color_tile_by(const Frame& f, const Shading& s, const SpanTriangles& t, const SpanFunctions& fn,
+                                    const TilePixels& pixels, TextureRoom& room, LinearTile& out) {
+  if (t.surface_count > 0) sample_textures<kEntries>(f, s, t, fn, pixels, room);
+  for (int i = 0; i < kTilePixels; i += kLanes) {
+    const I shown = load(pixels.which + i), seen = max(shown, splat(0));
+    const LanePlace at(pixels.tile, i);
+    const auto slot = [&](int k) { return Table<kEntries>(fn.a[k])[seen]; };
+    const F w = t.varying ? distance_of(f, pixels, i, shown > splat(-1)) : splat(1.0F);
+    for (int c = 0; c < 3; ++c) {
+      F color = slot(slot_r + 3 * c);
+      if (t.varying) color = (color + (slot(slot_rx + 3 * c) * at.dx + slot(slot_ry + 3 * c) * at.dy)) * w;
+      if (t.surface_count > 0) color = color * load(room.sum.color[c] + i);
+      store(out.color[c] + i, color);
+    }
+  }
+}
+
+void color_tile(const Frame& f, const Shading& s, const SpanTriangles& t, const SpanFunctions& fn,
+                const TilePixels& pixels, TextureRoom& room, LinearTile& out) {
+  if (t.count <= 16) return color_tile_by<16>(f, s, t, fn, pixels, room, out);
+  if (t.count <= 32) return color_tile_by<32>(f, s, t, fn, pixels, room, out);
+  color_tile_by<kSpanTriangles>(f, s, t, fn, pixels, room, out);
+}
+
+/// What shading a row of tiles works in. Lanes beyond the last triangle are computed and never looked at; they must
+/// only be numbers.
+struct ShadeRoom {
+  SpanTriangles triangles;
+  SpanFunctions functions;
+  TextureRoom textures;
+  LinearTile linear;
+};
+
+void put_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, const int32_t* which,
+              const LinearTile& linear) {
   const F x = splat(first_center(tx, f.axis_x)), y = splat(first_center(ty, f.axis_y)),
           pixel = splat(static_cast<float>(kSubpixel));
   for (int i = 0; i < kTilePixels; i += kLanes) {
-    const LanePlace at(i);
-    const I shown = load(shaded.which + i);
-    const M covered = shown > splat(-1);
+    const LanePlace at(0, i);
+    const M covered = load(which + i) > splat(-1);
     const uint32_t lanes = bits(covered);
     I out = splat(static_cast<int32_t>(s.plain));
     if (s.has_sky && lanes != (1U << kLanes) - 1U) out = sky_at(s, x + at.dx * pixel, y + at.dy * pixel);
     if (lanes != 0) {
-      F color[3];
-      color_lanes(f, s, t, fn, shown, covered, load(f.z + tile + i), at, color);
+      const F color[3] = {load(linear.color[0] + i), load(linear.color[1] + i), load(linear.color[2] + i)};
       out = select(covered, packed_srgb(color), out);
     }
     int32_t rgba[kLanes];
@@ -503,27 +522,45 @@ void shade_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, Shaded
     for (int r = 0; r < kLanes / 4; ++r) {
       const int32_t px = tx * kTile + (i / 16 & 1) * 4, py = ty * kTile + (i / 32) * 4 + i % 16 / 4 + r;
       if (py >= f.height || px >= f.width) continue;
-      const int32_t count = min_of(4, f.width - px);
-      __builtin_memcpy(s.out + static_cast<Int64>(py) * f.width + px, rgba + 4 * r, static_cast<uint64_t>(count) * 4);
+      uint32_t* to = s.out + static_cast<Int64>(py) * f.width + px;
+      const int32_t count = f.width - px;
+      if (count >= 4)
+        __builtin_memcpy(to, rgba + 4 * r, 16);
+      else
+        __builtin_memcpy(to, rgba + 4 * r, static_cast<uint64_t>(count) * 4);
     }
   }
 }
 
-/// Tile by tile; the triangles of a tile are asked for two tiles ahead, their corners one.
+void shade_span(const Frame& f, const Shading& s, const Span& span, int32_t ty, ShadeRoom& room) {
+  if (span.count > 0) set_up_span(f, s, span, ty, room.triangles, room.functions);
+  for (int32_t i = 0; i < span.tiles; ++i) {
+    const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + span.first + i) * kTilePixels;
+    const TilePixels pixels = {f.z + tile, span.which[i], i};
+    if (span.count > 0) color_tile(f, s, room.triangles, room.functions, pixels, room.textures, room.linear);
+    put_tile(f, s, span.first + i, ty, span.which[i], room.linear);
+  }
+}
+
+/// Span by span; the triangles of a span are asked for two spans ahead, their corners one.
 void shade_row(const Frame& f, const Shading& s, int32_t ty) {
   constexpr int32_t kAhead = 3;
-  ShadedTile tiles[kAhead];
-  TileFunctions fn;
-  // Lanes beyond the last triangle are computed and never looked at; they must only be numbers.
-  __builtin_memset(tiles, 0, sizeof tiles);
-  for (int32_t tx = 0; tx < f.tiles_x + kAhead - 1; ++tx) {
-    if (tx < f.tiles_x) {
-      const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
-      ShadedTile& next = tiles[tx % kAhead];
-      find_distinct(f, f.z + tile, f.id + tile, next.triangles, next.which);
-      ask_for_triangles(s, next.triangles);
+  Span spans[kAhead];
+  ShadeRoom room;
+  __builtin_memset(&room, 0, sizeof room);
+  int32_t found = 0, done = 0;
+  for (int32_t next = 0; done < found || next < f.tiles_x;) {
+    if (next < f.tiles_x) {
+      Span& span = spans[found % kAhead];
+      begin_span(span, next);
+      for (Int64 tile = static_cast<Int64>(ty) * f.tiles_x + next; next < f.tiles_x; ++next, ++tile)
+        if (!add_tile(f, f.z + tile * kTilePixels, f.id + tile * kTilePixels, span)) break;
+      ask_for_triangles(s, span);
+      if (found > 0) ask_for_corners(s, spans[(found - 1) % kAhead]);
+      if (++found < kAhead && next < f.tiles_x) continue;
+      if (next == f.tiles_x) ask_for_corners(s, span);
     }
-    if (tx >= 1 && tx <= f.tiles_x) ask_for_corners(s, tiles[(tx - 1) % kAhead].triangles);
-    if (tx >= kAhead - 1) shade_tile(f, s, tx - (kAhead - 1), ty, tiles[(tx - (kAhead - 1)) % kAhead], fn);
+    shade_span(f, s, spans[done % kAhead], ty, room);
+    ++done;
   }
 }

@@ -35,7 +35,6 @@ struct EdgeTriangle {
   float x = 0, y = 0;
   float at[4] = {}, dx[4] = {}, dy[4] = {};
   bool holes = false;
-  MaskTriangle mask;  ///< set only if it has holes
 };
 
 /// The corners as seen from the pixel, so that little triangles keep their precision wherever they lie; sets w.
@@ -51,8 +50,9 @@ PROMENADE_INLINE void corners_about(const Frame& f, const Item& item, uint32_t t
   }
 }
 
-void set_up_edge_triangle(const Frame& f, const Shading& s, uint32_t id, int32_t px, float x, float y,
-                          EdgeTriangle& e) {
+/// mask: set only if the triangle has holes.
+void set_up_edge_triangle(const Frame& f, const Shading& s, uint32_t id, int32_t px, float x, float y, EdgeTriangle& e,
+                          MaskTriangle& mask) {
   e.id = id, e.px = px, e.x = x, e.y = y, e.usable = false, e.holes = false;
   const Item& item = s.items[s.item_of_run[id >> s.run_bits]];
   if (item.indices == nullptr || item.fading) return;
@@ -60,7 +60,7 @@ void set_up_edge_triangle(const Frame& f, const Shading& s, uint32_t id, int32_t
   const uint32_t material = item.materials == nullptr ? 0 : item.materials[triangle];
   if (item.surfaces != nullptr && material < item.surface_count && item.surfaces[material].alpha != 0) {
     if (item.surfaces[material].alpha != 1) return;  // seen through
-    set_up_mask(f, item, triangle, e.mask);
+    set_up_mask(f, item, triangle, mask);
     e.holes = true;
   }
   ViewPoint p[3];
@@ -88,10 +88,15 @@ struct EdgeTriangles {
   static constexpr int kSlotBits = 7;
   static constexpr int32_t kReach = 64;  // pixels: farther away, a function's precision is not enough
   EdgeTriangle slots[1 << kSlotBits];
-  const EdgeTriangle& at(const Frame& f, const Shading& s, uint32_t id, int32_t px, float x, float y) {
-    EdgeTriangle& e = slots[(id * 0x9e3779b1U) >> (32 - kSlotBits)];
-    if (e.id != id || px - e.px > kReach) set_up_edge_triangle(f, s, id, px, x, y, e);
-    return e;
+  MaskTriangle masks[1 << kSlotBits];
+  static uint32_t slot_of(uint32_t id) { return (id * 0x9e3779b1U) >> (32 - kSlotBits); }
+  bool has(uint32_t id) const { return slots[slot_of(id)].id == id; }
+  /// Its slot.
+  uint32_t at(const Frame& f, const Shading& s, uint32_t id, int32_t px, float x, float y) {
+    const uint32_t slot = slot_of(id);
+    EdgeTriangle& e = slots[slot];
+    if (e.id != id || px - e.px > kReach) set_up_edge_triangle(f, s, id, px, x, y, e, masks[slot]);
+    return slot;
   }
 };
 
@@ -113,12 +118,13 @@ PixelFunction opacity_across(const MaskTriangle& m, const PixelFunction& z, floa
 
 /// Lets a triangle take the places that it covers nearest; returns which. x, y: the pixel's centre, sub-pixels from the
 /// axis; z: the nearest depth at each place so far.
-PROMENADE_INLINE uint32_t take_places(const Frame& f, const EdgeTriangle& e, float x, float y, float* z) {
+PROMENADE_INLINE uint32_t take_places(const Frame& f, const EdgeTriangle& e, const MaskTriangle& mask, float x, float y,
+                                      float* z) {
   const float across = (x - e.x) * (1.0F / kSubpixel), down = (y - e.y) * (1.0F / kSubpixel);
   PixelFunction fn[4];
   for (int i = 0; i < 4; ++i) fn[i] = {e.at[i] + (e.dx[i] * across + e.dy[i] * down), e.dx[i], e.dy[i]};
   PixelFunction solid = {1, 0, 0};
-  if (e.holes) solid = opacity_across(e.mask, fn[3], x, y);
+  if (e.holes) solid = opacity_across(mask, fn[3], x, y);
   const F zero = splat(0.0F), nearest = splat(f.orthographic ? -f.near_m : 1.0F / f.near_m);
   uint32_t taken = 0;
   for (int i = 0; i < kPlaces; i += kLanes) {
@@ -173,12 +179,13 @@ int32_t smoothed_pixel(const Frame& f, const Shading& s, EdgeTriangles& triangle
     bool known = five.id[k] == kNoSurface;
     for (int j = 0; j < k; ++j) known |= five.id[j] == five.id[k];
     if (known) continue;
-    const EdgeTriangle& e = triangles.at(f, s, five.id[k], px, x, y);
+    const uint32_t slot = triangles.at(f, s, five.id[k], px, x, y);
+    const EdgeTriangle& e = triangles.slots[slot];
     if (!e.usable) {
       if (k == 0) return five.color[0];
       continue;
     }
-    const uint32_t taken = take_places(f, e, x, y, z);
+    const uint32_t taken = take_places(f, e, triangles.masks[slot], x, y, z);
     for (int j = 0; j < k; ++j) owned[j] &= ~taken;
     owned[k] = taken, all |= taken;
   }
@@ -220,7 +227,8 @@ void lay_out_tiles(const Frame& f, int32_t ty, int32_t* const* rows) {
     const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
     alignas(64) int32_t ids[kTilePixels];
     for (int i = 0; i < kTilePixels; i += kLanes)
-      store(ids + i, select(load(f.z + tile + i) > clear, load(reinterpret_cast<const int32_t*>(f.id) + tile + i), none));
+      store(ids + i,
+            select(load(f.z + tile + i) > clear, load(reinterpret_cast<const int32_t*>(f.id) + tile + i), none));
     for (int q = 0; q < kTilePixels / 4; ++q)
       __builtin_memcpy(rows[(q >> 3) * 4 + (q & 3)] + tx * kTile + (q >> 2 & 1) * 4, ids + 4 * q, 16);
   }
@@ -242,8 +250,8 @@ struct Rows {
 };
 
 /// How much each of kSmoothChunk pixels from x on differs from those of its neighbours that show other triangles; 0: it
-/// is no edge. An edge's pixel shows the sky or a triangle that two of its neighbours show, too: where every pixel has a
-/// triangle of its own there is none to find, and it would cost the most. Returns which do not have 0.
+/// is no edge. An edge's pixel shows the sky or a triangle that two of its neighbours show, too: where every pixel has
+/// a triangle of its own there is none to find, and it would cost the most. Returns which do not have 0.
 PROMENADE_INLINE uint32_t edges_among(const Rows& id, const Rows& color, int32_t x, int32_t* strength) {
   const I none = splat(0), one = splat(1);
   uint32_t found = 0;
@@ -332,8 +340,61 @@ PROMENADE_INLINE Five five_at(const Frame& f, const uint32_t* in, int32_t px, in
   return five;
 }
 
+/// Pixels that are about to be smoothed, so that memory is asked for all of their triangles at once.
+struct WaitingPixels {
+  static constexpr int kMost = 64;
+  struct Pixel {
+    int32_t x, y;
+    Five five;
+  };
+  Pixel pixels[kMost];
+  int count = 0;
+  uint32_t wanted[5 * kMost];  ///< triangles that are not among those met last
+
+  int find_wanted(const EdgeTriangles& triangles) {
+    int found = 0;
+    for (int i = 0; i < count; ++i)
+      for (int k = 0; k < 5; ++k) {
+        const uint32_t id = pixels[i].five.id[k];
+        if (id == kNoSurface || (k > 0 && id == pixels[i].five.id[0]) || triangles.has(id)) continue;
+        if (found > 0 && wanted[found - 1] == id) continue;
+        wanted[found++] = id;
+      }
+    return found;
+  }
+
+  void ask_for_wanted(const Shading& s, int found) const {
+    const auto item_of = [&](int i) -> const Item& { return s.items[s.item_of_run[wanted[i] >> s.run_bits]]; };
+    for (int i = 0; i < found; ++i) ask_for(&item_of(i).indices);
+    for (int i = 0; i < found; ++i) {
+      const Item& item = item_of(i);
+      if (item.indices == nullptr) continue;
+      const uint64_t triangle = wanted[i] - item.first_id;
+      ask_for(item.indices + 3 * triangle);
+      if (item.materials != nullptr) ask_for(item.materials + triangle);
+    }
+    for (int i = 0; i < found; ++i) {
+      const Item& item = item_of(i);
+      if (item.indices == nullptr) continue;
+      const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(wanted[i] - item.first_id);
+      for (int k = 0; k < 3; ++k) ask_for(item.positions + 3 * static_cast<uint64_t>(index[k]));
+    }
+  }
+
+  void smooth(const Frame& f, const Shading& s, uint32_t* out, EdgeTriangles& triangles) {
+    ask_for_wanted(s, find_wanted(triangles));
+    for (int i = 0; i < count; ++i) {
+      const Pixel& p = pixels[i];
+      out[static_cast<Int64>(p.y) * f.width + p.x] =
+          static_cast<uint32_t>(smoothed_pixel(f, s, triangles, p.five, p.x, p.y));
+    }
+    count = 0;
+  }
+};
+
 void smooth_row(const Frame& f, const Shading& s, const Smoothing& smoothing, int32_t ty) {
   EdgeTriangles triangles;
+  WaitingPixels waiting;
   const int32_t y = ty * kTile, rows = min_of(kTile, f.height - y);
   const Int64 first = static_cast<Int64>(y) * f.width;
   __builtin_memcpy(smoothing.out + first, smoothing.in + first,
@@ -342,14 +403,15 @@ void smooth_row(const Frame& f, const Shading& s, const Smoothing& smoothing, in
   // processors, because a triangle's functions depend a little on the pixel that asked for them first.
   for (int32_t x = 0; x < f.width; x += kSmoothChunk) {
     for (int32_t i = 0; i < rows; ++i) {
-      uint32_t edges = at_least(smoothing.strength + static_cast<Int64>(y + i) * smoothing.stride + x,
-                                smoothing.least_difference);
+      uint32_t edges =
+          at_least(smoothing.strength + static_cast<Int64>(y + i) * smoothing.stride + x, smoothing.least_difference);
       if (f.width - x < kSmoothChunk) edges &= (1U << (f.width - x)) - 1U;
       for (; edges != 0; edges &= edges - 1) {
         const int32_t px = x + __builtin_ctz(edges);
-        smoothing.out[first + static_cast<Int64>(i) * f.width + px] =
-            static_cast<uint32_t>(smoothed_pixel(f, s, triangles, five_at(f, smoothing.in, px, y + i), px, y + i));
+        waiting.pixels[waiting.count++] = {px, y + i, five_at(f, smoothing.in, px, y + i)};
+        if (waiting.count == WaitingPixels::kMost) waiting.smooth(f, s, smoothing.out, triangles);
       }
     }
   }
+  waiting.smooth(f, s, smoothing.out, triangles);
 }

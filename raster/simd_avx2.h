@@ -87,11 +87,24 @@ PROMENADE_INLINE F floor(F a) { return {_mm256_floor_ps(a.v)}; }
 PROMENADE_INLINE I truncate(F a) { return {_mm256_cvttps_epi32(a.v)}; }
 PROMENADE_INLINE I shift_right_by(I a, I by) { return {_mm256_srav_epi32(a.v, by.v)}; }
 
-struct Table64 {
+template <int Entries>
+struct Table {
   const float* p;
-  explicit Table64(const float* table) : p(table) {}
-  PROMENADE_INLINE F operator[](I i) const { return {_mm256_i32gather_ps(p, i.v, 4)}; }
+  explicit Table(const float* table) : p(table) {}
+  PROMENADE_INLINE F operator[](I i) const {
+    if constexpr (Entries > 32) return {_mm256_i32gather_ps(p, i.v, 4)};
+    const F low = eight(0, i), high = eight(8, i);
+    const __m256 upper = _mm256_castsi256_ps(_mm256_slli_epi32(i.v, 28));  // bit 3 chooses
+    const __m256 half = _mm256_blendv_ps(low.v, high.v, upper);
+    if constexpr (Entries <= 16) return {half};
+    const __m256 other = _mm256_blendv_ps(eight(16, i).v, eight(24, i).v, upper);
+    return {_mm256_blendv_ps(half, other, _mm256_castsi256_ps(_mm256_slli_epi32(i.v, 27)))};
+  }
+
+ private:
+  PROMENADE_INLINE F eight(int first, I i) const { return {_mm256_permutevar8x32_ps(_mm256_loadu_ps(p + first), i.v)}; }
 };
+using Table64 = Table<64>;
 
 struct Table16 {
   const int32_t* p;
@@ -103,17 +116,30 @@ struct Table16 {
   }
 };
 
-/// By single loads, which are faster than the processor's own gather.
-PROMENADE_INLINE void gather_pairs(const int32_t* p, I i, I& first, I& second) {
-  alignas(32) int32_t at[kLanes];
-  store(at, i);
-  const auto two = [&](int k) {
-    const __m128i low = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p + at[k]));
-    return _mm_loadh_pi(_mm_castsi128_ps(low), reinterpret_cast<const __m64*>(p + at[k + 1]));
-  };
-  // Each half holds two pairs of the first four and two of the last, so that shuffles within halves leave the order.
-  const __m256 a = _mm256_insertf128_ps(_mm256_castps128_ps256(two(0)), two(4), 1);
-  const __m256 b = _mm256_insertf128_ps(_mm256_castps128_ps256(two(2)), two(6), 1);
+/// Eight lanes' numbers, a byte each, to a register.
+PROMENADE_INLINE __m256i widened(uint64_t bytes) {
+  return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(bytes)));
+}
+/// A byte of all bits set for each chosen lane.
+PROMENADE_INLINE uint64_t bytes_of(M m) { return _pdep_u64(bits(m), 0x0101010101010101U) * 255U; }
+constexpr uint64_t kNumbers = 0x0706050403020100U;
+
+/// The chosen lanes, packed together, to p; what follows them up to p + kLanes is overwritten.
+PROMENADE_INLINE void pack(float* p, M m, F a) {
+  _mm256_storeu_ps(p, _mm256_permutevar8x32_ps(a.v, widened(_pext_u64(kNumbers, bytes_of(m)))));
+}
+PROMENADE_INLINE void pack(int32_t* p, M m, I a) { pack(reinterpret_cast<float*>(p), m, as_float(a)); }
+/// The other way: the chosen lanes get what lies at p, one after the other, the others 0. Reads up to p + kLanes.
+PROMENADE_INLINE F unpack(const float* p, M m) {
+  const __m256 spread = _mm256_permutevar8x32_ps(_mm256_loadu_ps(p), widened(_pdep_u64(kNumbers, bytes_of(m))));
+  return {_mm256_and_ps(spread, _mm256_castsi256_ps(m.v))};
+}
+
+/// kLanes pairs, one after the other in memory: their first and their second halves.
+PROMENADE_INLINE void load_pairs(const uint64_t* p, I& first, I& second) {
+  const float* f = reinterpret_cast<const float*>(p);
+  const __m256 low = _mm256_loadu_ps(f), high = _mm256_loadu_ps(f + 8);
+  const __m256 a = _mm256_permute2f128_ps(low, high, 0x20), b = _mm256_permute2f128_ps(low, high, 0x31);
   first = {_mm256_castps_si256(_mm256_shuffle_ps(a, b, 0x88))};
   second = {_mm256_castps_si256(_mm256_shuffle_ps(a, b, 0xdd))};
 }

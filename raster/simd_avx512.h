@@ -81,16 +81,32 @@ PROMENADE_INLINE F floor(F a) { return {_mm512_roundscale_ps(a.v, _MM_FROUND_TO_
 PROMENADE_INLINE I truncate(F a) { return {_mm512_cvttps_epi32(a.v)}; }
 PROMENADE_INLINE I shift_right_by(I a, I by) { return {_mm512_srav_epi32(a.v, by.v)}; }
 
-/// Held in four registers: two permutes and a blend, where a gather would cost ten times as much.
-struct Table64 {
+/// Held in registers: at most two permutes and a blend, where a gather would cost ten times as much.
+template <int Entries>
+struct Table;
+template <>
+struct Table<16> {
+  __m512 a;
+  explicit Table(const float* p) : a(_mm512_loadu_ps(p)) {}
+  PROMENADE_INLINE F operator[](I i) const { return {_mm512_permutexvar_ps(i.v, a)}; }
+};
+template <>
+struct Table<32> {
+  __m512 a, b;
+  explicit Table(const float* p) : a(_mm512_loadu_ps(p)), b(_mm512_loadu_ps(p + 16)) {}
+  PROMENADE_INLINE F operator[](I i) const { return {_mm512_permutex2var_ps(a, i.v, b)}; }
+};
+template <>
+struct Table<64> {
   __m512 a, b, c, d;
-  explicit Table64(const float* p)
+  explicit Table(const float* p)
       : a(_mm512_loadu_ps(p)), b(_mm512_loadu_ps(p + 16)), c(_mm512_loadu_ps(p + 32)), d(_mm512_loadu_ps(p + 48)) {}
   PROMENADE_INLINE F operator[](I i) const {
     const __mmask16 upper = _mm512_test_epi32_mask(i.v, _mm512_set1_epi32(32));
     return {_mm512_mask_blend_ps(upper, _mm512_permutex2var_ps(a, i.v, b), _mm512_permutex2var_ps(c, i.v, d))};
   }
 };
+using Table64 = Table<64>;
 
 /// Sixteen numbers in a register, looked up by indices 0 to 15.
 struct Table16 {
@@ -99,20 +115,15 @@ struct Table16 {
   PROMENADE_INLINE I operator[](I i) const { return {_mm512_permutexvar_epi32(i.v, v)}; }
 };
 
-/// By single loads: two thirds of the time of the processor's own gather.
-PROMENADE_INLINE void gather_pairs(const int32_t* p, I i, I& first, I& second) {
-  alignas(64) int32_t at[kLanes];
-  store(at, i);
-  const auto two = [&](int k) {
-    const __m128i low = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p + at[k]));
-    return _mm_castps_si128(_mm_loadh_pi(_mm_castsi128_ps(low), reinterpret_cast<const __m64*>(p + at[k + 1])));
-  };
-  const auto eight = [&](int k) {
-    const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(two(k)), two(k + 2), 1);
-    const __m256i high = _mm256_inserti128_si256(_mm256_castsi128_si256(two(k + 4)), two(k + 6), 1);
-    return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
-  };
-  const __m512i a = eight(0), b = eight(8);
+/// The chosen lanes, packed together, to p; what follows them up to p + kLanes is overwritten.
+PROMENADE_INLINE void pack(float* p, M m, F a) { _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m.v, a.v)); }
+PROMENADE_INLINE void pack(int32_t* p, M m, I a) { _mm512_storeu_si512(p, _mm512_maskz_compress_epi32(m.v, a.v)); }
+/// The other way: the chosen lanes get what lies at p, one after the other, the others 0. Reads up to p + kLanes.
+PROMENADE_INLINE F unpack(const float* p, M m) { return {_mm512_maskz_expand_ps(m.v, _mm512_loadu_ps(p))}; }
+
+/// kLanes pairs, one after the other in memory: their first and their second halves.
+PROMENADE_INLINE void load_pairs(const uint64_t* p, I& first, I& second) {
+  const __m512i a = _mm512_loadu_si512(p), b = _mm512_loadu_si512(p + 8);
   const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
   first = {_mm512_permutex2var_epi32(a, even, b)};
   second = {_mm512_permutex2var_epi32(a, _mm512_or_si512(even, _mm512_set1_epi32(1)), b)};

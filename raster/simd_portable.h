@@ -117,12 +117,14 @@ PROMENADE_INLINE F floor(F a) {
 PROMENADE_INLINE I truncate(F a) { return {__builtin_convertvector(a.v, IntBits)}; }
 PROMENADE_INLINE I shift_right_by(I a, I by) { return {a.v >> by.v}; }
 
-/// A table of 64 floats, looked up by indices 0 to 63.
-struct Table64 {
+/// A table of 16, 32 or 64 floats, looked up by smaller numbers.
+template <int Entries>
+struct Table {
   const float* p;
-  explicit Table64(const float* table) : p(table) {}
+  explicit Table(const float* table) : p(table) {}
   F operator[](I i) const { return {FloatBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}}; }
 };
+using Table64 = Table<64>;
 
 /// A table of sixteen, looked up by indices 0 to 15.
 struct Table16 {
@@ -131,9 +133,27 @@ struct Table16 {
   I operator[](I i) const { return {IntBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}}; }
 };
 
-/// p[i] and p[i + 1].
-PROMENADE_INLINE void gather_pairs(const int32_t* p, I i, I& first, I& second) {
-  first = {IntBits{p[i.v[0]], p[i.v[1]], p[i.v[2]], p[i.v[3]]}};
-  second = {IntBits{p[i.v[0] + 1], p[i.v[1] + 1], p[i.v[2] + 1], p[i.v[3] + 1]}};
+/// The chosen lanes, packed together, to p; what follows them up to p + kLanes is overwritten.
+PROMENADE_INLINE void pack(float* p, M m, F a) {
+  for (int i = 0; i < kLanes; ++i) *p = a.v[i], p += m.v[i] != 0;
 }
+PROMENADE_INLINE void pack(int32_t* p, M m, I a) {
+  for (int i = 0; i < kLanes; ++i) *p = a.v[i], p += m.v[i] != 0;
+}
+/// The other way: the chosen lanes get what lies at p, one after the other, the others 0. Reads up to p + kLanes.
+PROMENADE_INLINE F unpack(const float* p, M m) {
+  F r = splat(0.0F);
+  for (int i = 0; i < kLanes; ++i)
+    if (m.v[i] != 0) r.v[i] = *p++;
+  return r;
+}
+
+/// kLanes pairs, one after the other in memory: their first and their second halves.
+PROMENADE_INLINE void load_pairs(const uint64_t* p, I& first, I& second) {
+  IntBits a, b;
+  __builtin_memcpy(&a, p, sizeof a), __builtin_memcpy(&b, p + 2, sizeof b);
+  first = {__builtin_shufflevector(a, b, 0, 2, 4, 6)};
+  second = {__builtin_shufflevector(a, b, 1, 3, 5, 7)};
+}
+
 }  // namespace promenade::simd_portable

@@ -113,6 +113,8 @@ Result<MipTexture> MipTexture::make(const Image& image) {
   size_t total = 0;
   for (uint32_t w = image.width, h = image.height; t.view_.levels < kMaxMipLevels;
        w = std::max(1U, w / 2), h = std::max(1U, h / 2)) {
+    t.view_.level_width[t.view_.levels] = static_cast<float>(w);
+    t.view_.level_height[t.view_.levels] = static_cast<float>(h);
     t.view_.level_offset[t.view_.levels++] = static_cast<uint32_t>(total);
     total += size_t(w + 1) * h;
     if (w == 1 && h == 1) break;

@@ -39,11 +39,7 @@ double Benefit::accuracy(NodeId id) const {
   return 1 / (1 + error / distance_of(n, sight_) * sight_.pixels_per_radian / options_.benefit.half_error_px);
 }
 
-double Benefit::importance(NodeId id) const {
-  if (index_of(id) >= view_.importance.size()) return 1;
-  const double given = std::clamp(double(view_.importance[index_of(id)]), 0.0, 1.0);
-  return 1 - options_.benefit.importance_weight * (1 - given);
-}
+double Benefit::importance(NodeId id) const { return sight_.importance_of(id); }
 
 double Benefit::focus(NodeId id) const {
   const Box& box = node(id).box;

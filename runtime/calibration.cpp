@@ -13,6 +13,7 @@
 
 #include "layout/file_io.h"
 #include "raster/visibility.h"
+#include "runtime/calibration_scene.h"
 #include "runtime/cpu_renderer.h"
 #include "runtime/user_files.h"
 
@@ -24,7 +25,8 @@ using Json = nlohmann::json;
 constexpr int kFormat = 1;  // of the file; another one is measured again
 constexpr uint64_t kLargestFile = uint64_t(1) << 16;
 constexpr uint32_t kNodes = 15, kCells = 24;  // along each side; a cell is two triangles
-constexpr float kNodeM = 20;
+constexpr float kTextureRepeats = 4;
+constexpr uint32_t kTextureSide = 256;
 
 std::string processor_name() {
   std::ifstream in("/proc/cpuinfo");
@@ -63,33 +65,6 @@ void store(const std::filesystem::path& file, const std::string& machine, const 
   const Json json = {{"format", kFormat}, {"machine", machine}, {"gl", c.gl}, {"gl_ms", c.gl_ms}, {"cpu_ms", c.cpu_ms}};
   const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
   static_cast<void>(write_file(file, std::string_view(text)));  // not stored: measured again, nothing worse
-}
-
-/// A hilly square of ground with its own texture coordinates.
-Mesh hills(uint32_t column, uint32_t row) {
-  Mesh mesh;
-  for (uint32_t y = 0; y <= kCells; ++y)
-    for (uint32_t x = 0; x <= kCells; ++x) {
-      const float u = float(x) / kCells, v = float(y) / kCells;
-      const float px = (float(column) + u) * kNodeM, py = (float(row) + v) * kNodeM;
-      mesh.positions.emplace_back(px, py, 6 * std::sin(px * 0.11F) * std::cos(py * 0.13F) + std::sin(px * py * 0.05F));
-      mesh.texcoords.emplace_back(u * 4, v * 4);
-    }
-  for (uint32_t y = 0; y < kCells; ++y)
-    for (uint32_t x = 0; x < kCells; ++x) {
-      const uint32_t a = y * (kCells + 1) + x, b = a + kCells + 1;
-      for (const uint32_t i : {a, a + 1, b + 1, a, b + 1, b}) mesh.indices.push_back(i);
-    }
-  return mesh;
-}
-
-Image stripes() {
-  Image image;
-  image.width = image.height = 256;
-  for (uint32_t y = 0; y < image.height; ++y)
-    for (uint32_t x = 0; x < image.width; ++x)
-      image.pixels.emplace_back(uint8_t(90 + x % 64), uint8_t(120 + y % 64), uint8_t(80 + (x ^ y) % 64), uint8_t(255));
-  return image;
 }
 
 FrameView calibration_view() {
@@ -151,12 +126,12 @@ std::string reason_of(const Calibration& calibration, const std::filesystem::pat
 Result<double> calibration_frame_ms(Renderer& renderer) {
   Material material;
   material.texture = 0;
-  const Result<TextureHandle> texture = renderer.create_texture(*renderer.stage_texture(stripes()));
+  const Result<TextureHandle> texture = renderer.create_texture(*renderer.stage_texture(striped_picture(kTextureSide)));
   if (!texture) return texture.error();
   std::vector<DrawItem> items;
   std::optional<Error> failed;
   for (uint32_t i = 0; i < kNodes * kNodes && !failed; ++i) {
-    const Mesh mesh = hills(i % kNodes, i / kNodes);
+    const Mesh mesh = hilly_square(i % kNodes, i / kNodes, kCells, kTextureRepeats);
     const Result<MeshHandle> handle = renderer.create_mesh(*renderer.stage_mesh(mesh, {&material, 1}), {&*texture, 1});
     if (handle)
       items.push_back({*handle, NodeId{i}, glm::mat4(1.0F)});

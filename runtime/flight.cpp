@@ -68,13 +68,13 @@ class Timeline {
 };
 
 /// In percent: what the two times of frames that were drawn twice deviate by.
-double noise_of(const std::vector<FrameRow>& rows) {
+double noise_of(const std::vector<FrameRow>& rows, double FrameRow::*first, double FrameRow::*second) {
   double squares = 0;
   uint64_t pairs = 0;
   for (const FrameRow& row : rows) {
-    if (row.redraw_ms <= 0) continue;
-    const double mean = (row.draw_ms + row.redraw_ms) / 2;
-    const double off = (row.draw_ms - row.redraw_ms) / mean;
+    if (row.*second <= 0) continue;
+    const double mean = (row.*first + row.*second) / 2;
+    const double off = (row.*first - row.*second) / mean;
     squares += off * off / 2;  // the difference of two has twice the variance of one
     ++pairs;
   }
@@ -90,7 +90,10 @@ class PoppingMeter {
     Result<std::vector<float>> depth = renderer.read_depth();
     if (!depth) return depth.error();
     SeenFrame now{camera, std::move(*color), std::move(*depth)};
-    if (before_) row.popped_share = popping_between(*before_, now).popped_share();
+    if (before_) {
+      const Popping popping = popping_between(*before_, now);
+      row.popped_share = popping.popped_share(), row.popped_area_share = popping.popped_area_share();
+    }
     before_ = std::move(now);
     return Done{};
   }
@@ -99,14 +102,15 @@ class PoppingMeter {
   std::optional<SeenFrame> before_;
 };
 
-void add_popping(const std::vector<FrameRow>& rows, FlightTotals& totals) {
+void add_popping(const std::vector<FrameRow>& rows, std::optional<double> FrameRow::*of, std::optional<double>& mean,
+                 std::optional<double>& p99) {
   std::vector<double> shares;
   double sum = 0;
   for (const FrameRow& row : rows)
-    if (row.popped_share) shares.push_back(*row.popped_share), sum += *row.popped_share;
+    if (row.*of) shares.push_back(*(row.*of)), sum += *(row.*of);
   if (shares.empty()) return;
-  totals.popped_share_mean = sum / double(shares.size());
-  totals.popped_share_p99 = percentile(shares, 0.99);
+  mean = sum / double(shares.size());
+  p99 = percentile(shares, 0.99);
 }
 
 }  // namespace
@@ -143,8 +147,12 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
   totals.delta_nodes_mean = mean_of(rows, [](const FrameRow& r) { return r.delta_nodes; }) * count / crossings;
   totals.toggles_per_frame = mean_of(rows, [](const FrameRow& r) { return r.toggles; });
   totals.nodes_fading_mean = mean_of(rows, [](const FrameRow& r) { return r.nodes_fading; });
-  totals.frame_noise_percent = noise_of(rows);
-  add_popping(rows, totals);
+  totals.frame_noise_percent = noise_of(rows, &FrameRow::draw_ms, &FrameRow::redraw_ms);
+  totals.frame_cpu_noise_percent = noise_of(rows, &FrameRow::draw_cpu_ms, &FrameRow::redraw_cpu_ms);
+  totals.draw_cpu_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.draw_cpu_ms; });
+  totals.teleports = teleports_of(rows);
+  add_popping(rows, &FrameRow::popped_share, totals.popped_share_mean, totals.popped_share_p99);
+  add_popping(rows, &FrameRow::popped_area_share, totals.popped_area_share_mean, totals.popped_area_share_p99);
   return totals;
 }
 
@@ -169,6 +177,7 @@ Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const Ca
   for (Timeline time(path, options.pacing); !time.over(); time.advance()) {
     if (monitor.cancelled()) return Error{"interrupted"};
     camera.pose = time.pose();
+    session->set_time(time.t_s());
     // A thread loads while the frame is drawn; without one the loader's turn comes after it.
     const double loader_ms = time.interval_s() * 1e3;
     if (paced && threaded) session->run_loader(loader_ms);
@@ -176,9 +185,9 @@ Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const Ca
     if (!row) return row.error();
     row->frame = static_cast<uint32_t>(report.rows.size());
     if (options.redraw_every > 0 && row->frame % options.redraw_every == 0) {
-      const Result<double> again_ms = session->redraw();
-      if (!again_ms) return again_ms.error();
-      row->redraw_ms = *again_ms;
+      const Result<Session::Redraw> again = session->redraw();
+      if (!again) return again.error();
+      row->redraw_ms = again->ms, row->redraw_cpu_ms = again->cpu_ms;
     }
     if (options.measure_popping) PROMENADE_TRY(popping.measure(renderer, camera, *row));
     if (!threaded) session->run_loader(loader_ms);

@@ -10,6 +10,7 @@
 #include "geometry/path.h"
 #include "runtime/popping.h"
 #include "runtime/session.h"
+#include "runtime/teleports.h"
 
 namespace promenade {
 
@@ -49,11 +50,15 @@ struct FlightTotals {
   double nodes_fading_mean = 0;
   /// Deviation of the time for one and the same picture, drawn twice, in percent of it; 0: not measured.
   double frame_noise_percent = 0;
-  std::optional<double> popped_share_mean, popped_share_p99;  ///< nullopt: not measured
-  uint64_t cells_crossed = 0;                                 ///< 0 without cells
-  double delta_bytes_mean = 0;                                ///< read for a step into another cell; 0 without cells
-  double delta_nodes_mean = 0;                                ///< that came or went with a step
-  uint64_t vlods_missing = 0;  ///< frames that the tree alone served inside a cell: its vLOD was not read yet
+  double frame_cpu_noise_percent = 0;  ///< the same by processor time
+  double draw_cpu_ms_mean = 0;
+  std::optional<double> popped_share_mean, popped_share_p99;            ///< nullopt: not measured
+  std::optional<double> popped_area_share_mean, popped_area_share_p99;  ///< the same by areas of 8 x 8 pixels
+  Teleports teleports;
+  uint64_t cells_crossed = 0;   ///< 0 without cells
+  double delta_bytes_mean = 0;  ///< read for a step into another cell; 0 without cells
+  double delta_nodes_mean = 0;  ///< that came or went with a step
+  uint64_t vlods_missing = 0;   ///< frames that the tree alone served inside a cell: its vLOD was not read yet
   uint64_t far_crossed = 0, far_late = 0, far_missing = 0;  ///< frames; 0 without far pictures
   double far_triangles_mean = 0;                            ///< of far pictures
   uint64_t bytes_read = 0;

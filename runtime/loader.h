@@ -7,6 +7,8 @@
 //      other node has brought, then its mesh). Less important nodes are evicted for it: what is still in the loader's
 //      hands at once; what the renderer holds when the render thread next begins a frame, until when the loader waits.
 //      If everything in memory matters more, nothing is loaded: `refused_memory`.
+//      A node that lies right behind what was read last goes first if it matters nearly as much (along_share): reads
+//      that follow each other on disk are one read to it.
 //   3. It reads one piece (64 KiB) and returns. The next step asks the list again: if another node matters more by now,
 //      this one is suspended with the bytes it has, and resumed from there when its turn comes back (unless they were
 //      dropped for room).
@@ -44,6 +46,9 @@ struct LoaderOptions {
   /// A node is evicted only for one that matters more by this part: two that keep changing places do not chase each
   /// other through memory. 0: as published.
   double eviction_margin = 0.1;
+  /// What lies behind the bytes read last is read next, without a seek, if it is wanted and matters at least this part
+  /// of what matters most; 0: never, as published. Smaller: fewer seeks, more that comes early.
+  double along_share = 0.25;
 };
 
 /// Does the loading, a step at a time, on whatever single thread calls step().
@@ -95,6 +100,8 @@ class LoaderThread {
   void grant(double ms);
   /// Something changed (priorities, room): look again.
   void wake();
+  /// Processor time that it has taken.
+  double cpu_ms() const;
   /// Blocks until the loader has spent its grant, is idle or waits for the render thread.
   void wait();
 

@@ -10,6 +10,7 @@ struct LoaderCounts {
   uint64_t pieces = 0;             ///< calls to the disk
   uint64_t reads = 0;              ///< runs of pieces that lie one behind the other in a file
   uint64_t nodes_loaded = 0, textures_loaded = 0;
+  uint64_t nodes_along = 0;  ///< taken before more important ones, because they lay where the last read ended
   uint64_t nodes_evicted = 0;
   uint64_t loads_suspended = 0;     ///< a more important node came up between two pieces
   uint64_t loads_resumed = 0;       ///< bytes read earlier were used

@@ -148,7 +148,10 @@ void select(const Model& model, const SelectView& view, std::span<const uint8_t>
   else
     select_by_error(selecting);
   const bool as_published = options.policy == Policy::lakhia || options.policy == Policy::none;
-  if (options.prefetch_s > 0 && !as_published) look_ahead(selecting);
+  if (options.prefetch_s > 0 && !as_published) {
+    Selecting ahead(view.swept != nullptr ? *view.swept : model, view, resident, options, state, selection);
+    look_ahead(ahead);
+  }
   finish(selecting);
 }
 

@@ -128,6 +128,8 @@ struct SelectView {
   std::span<const float> importance;
   /// The vLOD of the eye's cell; null: outside the cells, or not read yet: the tree alone serves.
   const VlodMarks* vlod = nullptr;
+  /// The model with the boxes that moving objects sweep, for what is foreseen; null: nothing moves.
+  const Model* swept = nullptr;
   const SoonMarks* soon = nullptr;    ///< what the next cells see; null: not known
   const Box* cell = nullptr;          ///< the eye's cell; null: outside
   const FrontBound* bound = nullptr;  ///< of the cells' fronts; not null where `cell` is not

@@ -10,21 +10,25 @@ constexpr uint32_t kNoVisit = 0xffffffffU;
 
 class ByError {
  public:
-  explicit ByError(Selecting& selecting) : s_(selecting) {}
-  void run();
+  explicit ByError(Selecting& selecting, bool moving_only = false) : s_(selecting), moving_only_(moving_only) {}
+  void run(std::span<const NodeId> roots);
 
  private:
   bool ends_paths(NodeId id) const;
   void visit_wanted(NodeId root);
 
+  /// What a cell sees of an object is seen whole then: the eye says how fine it must be.
+  bool may_be_seen(NodeId id) const { return moving_only_ || s_.may_be_seen(id); }
+
   Selecting& s_;
+  bool moving_only_;
 };
 
 /// Whether the front that the policy asks for, whatever is resident, has the node.
 bool ByError::ends_paths(NodeId id) const {
   const NodeRecord& n = s_.node(id);
   if (n.child_count == 0) return true;
-  if (s_.vlod != nullptr) return s_.vlod->has(id);
+  if (s_.vlod != nullptr && !moving_only_) return s_.vlod->has(id);
   if (s_.options.policy == Policy::none) return false;
   if (s_.options.policy == Policy::front && s_.view.cell != nullptr)
     return ends_front(n, *s_.view.cell, *s_.view.bound);
@@ -42,7 +46,7 @@ void ByError::visit_wanted(NodeId root) {
     s_.state.visits[i].wanted = wanted;
     if (wanted) continue;
     for (const NodeId child : s_.model.children_of(id)) {
-      if (!s_.may_be_seen(child)) continue;
+      if (!may_be_seen(child)) continue;
       if (!s_.visible(child)) continue;
       s_.price(child);
       s_.state.visits.push_back({child, static_cast<uint32_t>(i), 0, false});
@@ -50,9 +54,9 @@ void ByError::visit_wanted(NodeId root) {
   }
 }
 
-void ByError::run() {
+void ByError::run(std::span<const NodeId> roots) {
   s_.state.visits.clear();
-  for (const NodeId root : s_.model.tables.roots) {
+  for (const NodeId root : roots) {
     if (s_.visible(root) && s_.may_be_seen(root))
       visit_wanted(root);
     else
@@ -83,6 +87,15 @@ void ByError::run() {
 
 }  // namespace
 
-void select_by_error(Selecting& selecting) { ByError(selecting).run(); }
+void select_by_error(Selecting& selecting) { ByError(selecting).run(selecting.model.tables.roots); }
+
+double select_moving(Selecting& selecting) {
+  const std::vector<NodeId>& front = selecting.out.front;
+  const size_t first = front.size();
+  ByError(selecting, true).run(selecting.moving_roots());
+  double ms = 0;
+  for (size_t i = first; i < front.size(); ++i) ms += selecting.ms_of_node(front[i]);
+  return ms;
+}
 
 }  // namespace promenade

@@ -36,6 +36,7 @@ class ByTime {
   double share_of_roots_ms() const;
 
   Selecting& s_;
+  double moving_ms_ = 0;
 };
 
 void ByTime::update_hysteresis(NodeId id, double slice_ms, double needed_ms) {
@@ -87,13 +88,14 @@ bool ByTime::time_allows(const Siblings& siblings, double share_ms) const {
 double ByTime::share_of_roots_ms() const {
   const double share_ms = s_.state.share_ms;
   const double picture_ms = s_.state.costs ? s_.state.costs->estimate_ms(s_.out.load) : 0;
-  return std::max(share_ms - picture_ms - s_.view.reserved_ms, share_ms / kLeastPart);
+  return std::max(share_ms - picture_ms - s_.view.reserved_ms - moving_ms_, share_ms / kLeastPart);
 }
 
 void ByTime::run() {
   const bool bounded = s_.options.policy != Policy::lakhia;
+  moving_ms_ = select_moving(s_);
   Siblings siblings;
-  price_siblings(s_.model.tables.roots, share_of_roots_ms(), s_.vlod == nullptr, siblings);
+  price_siblings(s_.still_roots(), share_of_roots_ms(), s_.vlod == nullptr, siblings);
   std::vector<Slice> queue = siblings.visible;
   for (size_t i = 0; i < queue.size(); ++i) {
     const Slice at = queue[i];

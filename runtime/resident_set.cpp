@@ -18,6 +18,9 @@ namespace {
 /// frame for the render thread.
 constexpr uint64_t kSlackDivisor = 16;
 constexpr size_t kFailuresKept = 16;
+/// After so many bytes in a row the most important node has its turn, wherever it lies.
+constexpr uint64_t kLongestRun = uint64_t(512) << 10;
+constexpr uint32_t kNoPart = 0xffffffffU;
 
 enum class PartStatus : uint8_t {
   absent,
@@ -63,12 +66,14 @@ double now_ms() {
 
 /// Everything is guarded by `mutex` but for what says otherwise. Functions ending in _locked are called with it held.
 struct ResidentSet::State {
-  State(const ModelSource& from, const Renderer& draws_with, uint64_t bound, uint64_t fixed, double margin)
+  State(const ModelSource& from, const Renderer& draws_with, uint64_t bound, uint64_t fixed, double margin,
+        double along)
       : source(from),
         model(from.model()),
         renderer(draws_with),
         memory_bytes(bound),
         eviction_margin(margin),
+        along_share(along),
         list(static_cast<uint32_t>(model.tables.nodes.size())),
         nodes(model.tables.nodes.size()),
         parts(model.tables.segments.size()),
@@ -80,9 +85,29 @@ struct ResidentSet::State {
     for (size_t i = 0; i < model.tables.textures.size(); ++i)
       texture_of_part[model.tables.textures[i].segment] = static_cast<uint32_t>(i);
     for (const NodeId root : model.tables.roots) nodes[index_of(root)].pinned = true;
-    memory.fixed = fixed + list.byte_size() + nodes.size() * (sizeof(NodeState) + sizeof(MeshHandle) + 2) +
+    if (along_share > 0) find_order();
+    memory.fixed = fixed + behind.capacity() * sizeof(NodeId) + list.byte_size() +
+                   nodes.size() * (sizeof(NodeState) + sizeof(MeshHandle) + 2) +
                    parts.size() * (sizeof(Part) + sizeof(uint32_t)) + textures.size() * sizeof(TextureHandle);
     memory_peak = memory.total();
+  }
+
+  /// Which node's mesh lies behind each segment.
+  void find_order() {
+    std::vector<uint32_t> order;
+    order.reserve(nodes.size());
+    for (uint32_t i = 0; i < nodes.size(); ++i) order.push_back(i);
+    const auto place = [this](uint32_t node) {
+      const SegmentRecord& s = model.tables.segments[model.tables.nodes[node].segment];
+      return std::pair(s.file, s.offset);
+    };
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return place(a) < place(b); });
+    behind.assign(parts.size(), kNoNode);
+    for (size_t i = 1; i < order.size(); ++i) {
+      const SegmentRecord& before = model.tables.segments[model.tables.nodes[order[i - 1]].segment];
+      if (place(order[i]) == std::pair(before.file, before.offset + before.stored_bytes))
+        behind[model.tables.nodes[order[i - 1]].segment] = NodeId{order[i]};
+    }
   }
 
   // --- sizes ---
@@ -114,6 +139,8 @@ struct ResidentSet::State {
   Room make_room_locked(uint64_t bytes, NodeId candidate);
   void make_slack_locked(NodeId candidate);
 
+  NodeId along_locked(NodeId most_important, uint64_t piece_bytes) const;
+  bool waits_for_disk_locked(NodeId id) const;
   Task task_for_locked(NodeId id, uint32_t part, uint64_t piece_bytes);
   Task task_without_room_locked(Room room);
   bool upload_part(uint32_t part, Renderer& target);
@@ -123,7 +150,7 @@ struct ResidentSet::State {
   const Model& model;
   const Renderer& renderer;
   const uint64_t memory_bytes;
-  const double eviction_margin;
+  const double eviction_margin, along_share;
 
   mutable std::mutex mutex;
   PriorityList list;
@@ -142,6 +169,9 @@ struct ResidentSet::State {
   LoaderCounts counts;
   std::vector<std::string> failures;
   NodeId last_task = kNoNode;
+  uint32_t last_read = kNoPart;  ///< the part that was read to its end last
+  uint64_t run_bytes = 0;        ///< of parts read one behind the other, up to that
+  std::vector<NodeId> behind;    ///< constant, by part: the node whose mesh follows on disk
   uint32_t epoch = 0;
   std::vector<PriorityUpdate> updates;  ///< scratch
 
@@ -326,6 +356,40 @@ ResidentSet::Task ResidentSet::State::task_without_room_locked(Room room) {
   return {};
 }
 
+/// Whether the next thing to do for a node is to read, not to decode what was read.
+bool ResidentSet::State::waits_for_disk_locked(NodeId id) const {
+  bool reads = false, found = false;
+  each_part(id, [&](uint32_t part) {
+    const PartStatus status = parts[part].status;
+    if (found || (status != PartStatus::absent && status != PartStatus::partial)) return;
+    found = true;
+    const auto transfer = transfers.find(part);
+    reads = status == PartStatus::absent || transfer == transfers.end() || transfer->second.read < stored_bytes(part);
+  });
+  return reads;
+}
+
+/// The node whose mesh lies where the last read ended, if it is worth reading now: it goes on where the disk is.
+NodeId ResidentSet::State::along_locked(NodeId most_important, uint64_t piece_bytes) const {
+  if (last_read == kNoPart || behind.empty() || run_bytes >= kLongestRun || !waits_for_disk_locked(most_important))
+    return kNoNode;
+  const NodeId id = behind[last_read];
+  if (id == kNoNode || id == most_important || !list.contains(id) || list.loaded(id) ||
+      nodes[index_of(id)].stage != NodeStage::absent)
+    return kNoNode;
+  if (double(list.priority(id)) < along_share * double(list.priority(most_important))) return kNoNode;
+  const uint32_t mesh = mesh_part(id);
+  bool only_mesh = stored_bytes(mesh) <= piece_bytes;
+  each_part(id, [&](uint32_t part) {
+    const PartStatus status = parts[part].status;
+    only_mesh = only_mesh && (part == mesh || status == PartStatus::staged || status == PartStatus::uploading ||
+                              status == PartStatus::uploaded);
+  });
+  // Nothing makes room for what came along.
+  const bool fits = memory.total() + stored_bytes(mesh) + decoding_bytes(mesh, id) <= memory_bytes;
+  return only_mesh && fits ? id : kNoNode;
+}
+
 ResidentSet::Task ResidentSet::State::task_for_locked(NodeId id, uint32_t part, uint64_t piece_bytes) {
   const uint64_t stored = stored_bytes(part);
   if (parts[part].status == PartStatus::absent) {
@@ -352,8 +416,8 @@ ResidentSet::Task ResidentSet::State::task_for_locked(NodeId id, uint32_t part, 
 // --- the class's own functions ---------------------------------------------------------------------------------------
 
 ResidentSet::ResidentSet(const ModelSource& source, const Renderer& renderer, uint64_t memory_bytes,
-                         uint64_t fixed_bytes, double eviction_margin)
-    : state_(std::make_unique<State>(source, renderer, memory_bytes, fixed_bytes, eviction_margin)) {}
+                         uint64_t fixed_bytes, double eviction_margin, double along_share)
+    : state_(std::make_unique<State>(source, renderer, memory_bytes, fixed_bytes, eviction_margin, along_share)) {}
 
 ResidentSet::~ResidentSet() = default;
 
@@ -361,10 +425,14 @@ ResidentSet::Task ResidentSet::next_task(uint64_t piece_bytes) {
   State& s = *state_;
   const std::lock_guard lock(s.mutex);
   while (true) {
-    const NodeId id = s.list.next_unloaded();
+    NodeId id = s.list.next_unloaded();
     if (id == kNoNode) {
       ++s.counts.idle_steps;
       return {};
+    }
+    if (const NodeId along = s.along_locked(id, piece_bytes); along != kNoNode) {
+      id = along;
+      ++s.counts.nodes_along;
     }
     // What never fits is not begun.
     uint64_t largest = 0;
@@ -404,6 +472,8 @@ void ResidentSet::finish_read(const Task& task, bool contiguous) {
   s.counts.bytes_read += task.into.size();
   ++s.counts.pieces;
   if (!contiguous) ++s.counts.reads;
+  s.run_bytes = contiguous ? s.run_bytes + task.into.size() : task.into.size();
+  s.last_read = task.offset + task.into.size() == s.stored_bytes(task.part) ? task.part : kNoPart;
 }
 
 void ResidentSet::finish_mesh(const Task& task, std::unique_ptr<StagedMesh> staged) {

@@ -33,8 +33,10 @@ struct MemoryUse {
 /// or drawing.
 class ResidentSet {
  public:
+  /// along_share: of the largest priority, what a node must have to be read before it because it lies where the last
+  /// read ended; 0: none is.
   ResidentSet(const ModelSource& source, const Renderer& renderer, uint64_t memory_bytes, uint64_t fixed_bytes,
-              double eviction_margin);
+              double eviction_margin, double along_share = 0);
   ~ResidentSet();
   ResidentSet(const ResidentSet&) = delete;
   ResidentSet& operator=(const ResidentSet&) = delete;

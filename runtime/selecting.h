@@ -39,6 +39,8 @@ class Selecting {
   double bound_px() const {
     return options.policy == Policy::feedback ? state.feedback_pixel_error : options.pixel_error;
   }
+  std::span<const NodeId> still_roots() const { return roots(false); }
+  std::span<const NodeId> moving_roots() const { return roots(true); }
   /// What the node's box may cover of the picture.
   double pixels_of(NodeId id) const {
     const NodeRecord& n = node(id);
@@ -54,10 +56,11 @@ class Selecting {
   }
   /// Whether the vLOD, if there is one, has something of the node.
   bool may_be_seen(NodeId id) const { return is_near(id) && (vlod == nullptr || vlod->leads_to_some(id)); }
-  /// Whether some of it is drawn as geometry.
+  /// Whether some of it is drawn as geometry. What moves always is: no picture has it.
   bool is_near(NodeId id) const {
-    return view.near.empty() || std::any_of(view.near.begin(), view.near.end(),
-                                            [this, id](const Box& box) { return box.overlaps(node(id).box); });
+    return view.near.empty() || model.is_moving(id) ||
+           std::any_of(view.near.begin(), view.near.end(),
+                       [this, id](const Box& box) { return box.overlaps(node(id).box); });
   }
   /// Tells the loader about the node: once a selection.
   float price(NodeId id) {
@@ -83,11 +86,21 @@ class Selecting {
   Selection& out;
 
  private:
+  /// Moving objects have the last nodes, and the last roots.
+  std::span<const NodeId> roots(bool moving) const {
+    const std::span<const NodeId> all = model.tables.roots;
+    const size_t still = all.size() - model.objects.moving.size();
+    return moving ? all.subspan(still) : all.first(still);
+  }
+
   std::span<const uint8_t> resident_;
 };
 
 /// Policies none, static, feedback, front and vlod.
 void select_by_error(Selecting& selecting);
+/// For the policies that share out time: objects that move take the levels that the bound in pixels asks for. Returns
+/// what drawing them is foretold to take, milliseconds.
+double select_moving(Selecting& selecting);
 /// Policies time_slices, lakhia and vlod_time_slices.
 void select_by_time(Selecting& selecting);
 /// Prices what may soon be asked for, after a policy has chosen.

@@ -1,6 +1,7 @@
 #include "runtime/session.h"
 
 #include <fmt/format.h>
+#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,6 +12,7 @@
 #include "runtime/fades.h"
 #include "runtime/far_follower.h"
 #include "runtime/far_store.h"
+#include "runtime/posed_model.h"
 
 namespace promenade {
 namespace {
@@ -19,6 +21,13 @@ using Clock = std::chrono::steady_clock;
 
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// Of all threads of the process, in milliseconds.
+double process_cpu_ms() {
+  timespec now{};
+  if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now) != 0) return 0;
+  return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
 }
 
 /// Heap of the model's tables.
@@ -73,8 +82,15 @@ std::optional<FarStyle> far_style_named(std::string_view name) {
 
 struct Session::State {
   State(const ModelSource& from, Renderer& draws_with, const SessionOptions& with)
-      : source(from), renderer(draws_with), options(with), cursor(from.cells()), vlods(from), fades(from.model()) {
-    if (with.draw_costs) select_state.costs.emplace(*with.draw_costs);
+      : source(from),
+        renderer(draws_with),
+        options(with),
+        cursor(from.cells()),
+        vlods(from),
+        posed(from.model()),
+        importance(importance_of(from.model(), with.class_weights)),
+        fades(posed.now()) {
+    if (with.draw_costs) select_state.costs.emplace(*with.draw_costs), cpu_costs.emplace(*with.draw_costs);
   }
   ~State() {
     thread.reset();
@@ -86,8 +102,13 @@ struct Session::State {
 
   Status open_far(uint64_t& bytes);
   Status draw(const Camera& camera);
+  void put_items(const Camera& camera);
+  /// Draws `items`; how long that took.
+  Result<Redraw> timed_draw();
+  /// Of drawing: what the loader does beside it is not part of it.
+  double cpu_ms() const { return process_cpu_ms() - (thread ? thread->cpu_ms() : 0); }
   void choose(const Camera& camera, const SelectView& seen, FrameRow& row);
-  void look_back(const Camera& camera, double dt_s, SelectView& seen);
+  void look_back(const Camera& camera, double dt_s, SelectView& seen, FrameRow& row);
   void move_to(const Camera& camera, SelectView& seen, FrameRow& row);
   void use_vlod(CellId cell, FrameRow& row);
   void foresee(CellId cell, SelectView& seen, FrameRow& row);
@@ -109,9 +130,12 @@ struct Session::State {
   std::unique_ptr<Loader> loader;
   std::unique_ptr<LoaderThread> thread;
   SelectState select_state;
+  std::optional<CostModel> cpu_costs;  ///< the same in processor time; nothing is decided by it
   Selection selection;
   FrameView view;
   std::vector<DrawItem> items;
+  PosedModel posed;
+  std::vector<float> importance;  ///< by node; empty: all matter alike
   Fades fades;
   std::vector<FadedNode> faded;
   DrawLoad load;       ///< of the frame, fades included
@@ -134,9 +158,12 @@ Result<Session> Session::open(const ModelSource& source, Renderer& renderer, con
   uint64_t far_bytes = 0;
   PROMENADE_TRY(state->open_far(far_bytes));
   const uint64_t fixed = far_bytes + table_bytes(model.tables) + model.tables.nodes.size() * kSelectBytesPerNode +
-                         options.frame_bytes + cell_bytes(source, state->vlods);
+                         options.frame_bytes + cell_bytes(source, state->vlods) + model.objects.byte_size() +
+                         PosedModel::byte_size(model) +
+                         (model.objects.class_shares.empty() ? 0 : model.tables.nodes.size() * sizeof(float));
   const LoaderOptions& loading = options.loader;
-  state->set = std::make_unique<ResidentSet>(source, renderer, loading.memory_bytes, fixed, loading.eviction_margin);
+  state->set = std::make_unique<ResidentSet>(source, renderer, loading.memory_bytes, fixed, loading.eviction_margin,
+                                             loading.along_share);
   PROMENADE_TRY(state->set->load_roots(renderer));
   if (source.cells() != nullptr) {
     state->marks = std::make_unique<VlodMarks>(model);
@@ -199,18 +226,31 @@ void Session::State::follow_far(const Camera& camera, SelectView& seen, FrameRow
 }
 
 Status Session::State::draw(const Camera& camera) {
+  put_items(camera);
+  return renderer.draw(view, items);
+}
+
+void Session::State::put_items(const Camera& camera) {
   view.camera = camera;
   items.clear();
   // What is near hides most of what is far.
   if (options.far_style != FarStyle::far_only || far_items.empty())
-    for (const FadedNode& f : faded) items.push_back({set->mesh_of(f.node), f.node, glm::mat4(1), f.from, f.to});
+    for (const FadedNode& f : faded)
+      items.push_back({set->mesh_of(f.node), f.node, posed.matrix_of(f.node), f.from, f.to});
   items.insert(items.end(), far_items.begin(), far_items.end());
-  return renderer.draw(view, items);
+}
+
+Result<Session::Redraw> Session::State::timed_draw() {
+  const Clock::time_point drawing = Clock::now();
+  const double cpu_begin_ms = cpu_ms();
+  PROMENADE_TRY(renderer.draw(view, items));
+  return Redraw{ms_since(drawing), cpu_ms() - cpu_begin_ms};
 }
 
 /// How the eye has moved since the last frame.
-void Session::State::look_back(const Camera& camera, double dt_s, SelectView& seen) {
-  if (dt_s > 0 && last_pose) {
+void Session::State::look_back(const Camera& camera, double dt_s, SelectView& seen, FrameRow& row) {
+  if (last_pose) row.moved_m = glm::distance(camera.pose.eye, last_pose->eye);
+  if (dt_s > 0 && last_pose && row.moved_m <= kFastestFlightMPerS * dt_s) {
     seen.velocity_m_per_s = (camera.pose.eye - last_pose->eye) / dt_s;
     const double cosine = glm::dot(basis_of(camera.pose).forward, basis_of(*last_pose).forward);
     seen.turn_rad_per_s = std::acos(std::clamp(cosine, -1.0, 1.0)) / dt_s;
@@ -220,7 +260,7 @@ void Session::State::look_back(const Camera& camera, double dt_s, SelectView& se
 
 /// Selects, and lets switches between levels fade.
 void Session::State::choose(const Camera& camera, const SelectView& seen, FrameRow& row) {
-  select(source.model(), seen, set->resident(), options.select, select_state, selection);
+  select(posed.now(), seen, set->resident(), options.select, select_state, selection);
   const VlodMarks* hides = uses_vlod(options.select.policy) ? seen.vlod : nullptr;
   fades.follow(selection.front, set->resident(), frustum_of(camera, source.model().manifest.origin), hides,
                options.fade_frames, faded);
@@ -230,7 +270,7 @@ void Session::State::choose(const Camera& camera, const SelectView& seen, FrameR
   DrawLoad fading;
   for (const FadedNode& f : faded) {
     if (!f.extra) continue;
-    const NodeRecord& node = source.model().tables.nodes[index_of(f.node)];
+    const NodeRecord& node = posed.now().tables.nodes[index_of(f.node)];
     const double pixels = covered_pixels(node.box, double(node.box.distance(eye)), pixels_per_radian(camera),
                                          double(camera.width_px) * camera.height_px);
     fading += load_of_node(node, pixels);
@@ -303,11 +343,12 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   const Clock::time_point selecting = Clock::now();
   SelectView view;
   view.camera = camera;
-  s.look_back(camera, dt_s, view);
+  s.look_back(camera, dt_s, view, row);
   s.move_to(camera, view, row);
   s.follow_far(camera, view, row);
   const SelectOptions& select_options = s.options.select;
-  view.importance = s.options.importance;
+  view.importance = s.importance;
+  if (s.posed.moves()) view.swept = &s.posed.source();
   // What fades go on taking, and what this frame has taken so far. Without a cost model: as published.
   if (s.select_state.costs) view.reserved_ms = s.fade_ms + row.upload_ms;
   s.choose(camera, view, row);
@@ -320,9 +361,14 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   const double before_ms = s.select_state.costs ? row.upload_ms + row.select_ms : row.upload_ms;
   row.estimated_ms = before_ms + s.selection.estimated_ms + s.fade_ms;
   row.estimated_without_feedback_ms = before_ms + s.selection.estimated_without_feedback_ms + s.fade_ms;
-  const Clock::time_point drawing = Clock::now();
-  PROMENADE_TRY(s.draw(camera));
-  row.draw_ms = ms_since(drawing);
+  s.put_items(camera);
+  const Result<Redraw> drawn = s.timed_draw();
+  if (!drawn) return drawn.error();
+  row.draw_ms = drawn->ms, row.draw_cpu_ms = drawn->cpu_ms;
+  if (s.cpu_costs) {
+    row.estimated_cpu_ms = s.cpu_costs->estimate_ms(s.load);
+    s.cpu_costs->learn(s.load, row.draw_cpu_ms);
+  }
 
   row.frame_ms = ms_since(begin);
   row.response_ms = row.frame_ms;
@@ -351,11 +397,7 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   return row;
 }
 
-Result<double> Session::redraw() {
-  const Clock::time_point drawing = Clock::now();
-  PROMENADE_TRY(state_->renderer.draw(state_->view, state_->items));
-  return ms_since(drawing);
-}
+Result<Session::Redraw> Session::redraw() { return state_->timed_draw(); }
 
 Status Session::draw_from(const Camera& camera) {
   const Camera own = state_->view.camera;
@@ -410,7 +452,8 @@ Status Session::measure_overhead(const Camera& camera) {
   s.view.camera = camera;
   // The first frames compile shaders: keep that out of every figure.
   s.items.clear();
-  for (const NodeId root : s.source.model().tables.roots) s.items.push_back({s.set->mesh_of(root), root, glm::mat4(1)});
+  for (const NodeId root : s.source.model().tables.roots)
+    s.items.push_back({s.set->mesh_of(root), root, s.posed.matrix_of(root)});
   for (int i = 0; i < kWarmUpFrames; ++i) PROMENADE_TRY(s.renderer.draw(s.view, s.items));
   // The roots alone: next to no triangles, but surfaces that fill the picture as any front does. What shading them
   // costs is overhead too; frames without anything would charge it to the first few triangles.
@@ -459,6 +502,13 @@ std::vector<NodeId> Session::resident_nodes() const {
 }
 uint64_t Session::resident_bytes() const { return state_->set->memory().total(); }
 uint64_t Session::resident_bytes_peak() const { return state_->set->memory_peak_bytes(); }
+void Session::set_time(double time_s) { state_->posed.set_time(time_s); }
+const Model& Session::model_now() const { return state_->posed.now(); }
+const ClassWeights& Session::class_weights() const { return state_->options.class_weights; }
+void Session::set_class_weight(const std::string& class_name, double weight) {
+  state_->options.class_weights[class_name] = weight;
+  state_->importance = importance_of(state_->source.model(), state_->options.class_weights);
+}
 SelectOptions& Session::select_options() { return state_->options.select; }
 FrameView& Session::frame_view() { return state_->view; }
 uint32_t& Session::fade_frames() { return state_->options.fade_frames; }

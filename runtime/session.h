@@ -11,6 +11,7 @@
 
 #include "geometry/result.h"
 #include "runtime/cursor.h"
+#include "runtime/importance.h"
 #include "runtime/loader.h"
 #include "runtime/model_source.h"
 #include "runtime/policy.h"
@@ -45,9 +46,11 @@ struct SessionOptions {
   uint32_t fade_frames = 8;
   RangeOptions range;  ///< of the eye: whose cells' vLODs are read beforehand
   FarStyle far_style = FarStyle::full;
-  /// [funkhouser1993]'s semantics: how much each node matters, in [0, 1]; empty: all 1.
-  std::vector<float> importance;
+  ClassWeights class_weights;  ///< how much what the source calls so matters; by default all alike
 };
+
+/// An eye that moves faster has jumped: it has no speed that would tell where it goes next. Faster than airliners.
+constexpr double kFastestFlightMPerS = 300;
 
 /// What one frame did. Names as in `fly --json`.
 struct FrameRow {
@@ -59,6 +62,7 @@ struct FrameRow {
   /// What frame_ms was expected to be when the front had been chosen and drawing began.
   double estimated_ms = 0, estimated_without_feedback_ms = 0;
   double share_ms = 0;  ///< shareTime of the roots
+  double moved_m = 0;   ///< since the frame before
   uint64_t triangles_drawn = 0, nodes_drawn = 0, nodes_missing = 0;
   uint64_t toggles = 0, toggles_up = 0, toggles_down = 0;
   uint64_t toggles_loading = 0;  ///< of those up: what came was not there a frame before
@@ -79,8 +83,13 @@ struct FrameRow {
   uint64_t delta_nodes = 0;      ///< that came or went with the vLOD that is now used
   uint64_t delta_bytes = 0;      ///< that it took on disk
   std::vector<uint32_t> nodes_by_level;
-  double redraw_ms = 0;                ///< fly: the same picture drawn again; 0: it was not
-  std::optional<double> popped_share;  ///< fly: of the pixels (runtime/popping.h)
+  double draw_cpu_ms = 0;  ///< processor time of drawing, all threads but the loader's
+  /// What that was expected to be: an estimate that other programs on the machine do not disturb. 0: no cost model.
+  double estimated_cpu_ms = 0;
+  double redraw_ms = 0;  ///< fly: the same picture drawn again; 0: it was not
+  double redraw_cpu_ms = 0;
+  /// fly: of the pixels, and by areas (runtime/popping.h)
+  std::optional<double> popped_share, popped_area_share;
 };
 
 /// One thread (the renderer's).
@@ -106,9 +115,12 @@ class Session {
   /// max_frames are drawn: a still picture.
   Result<FrameRow> settle(const Camera& camera, uint32_t max_frames = 2000);
 
-  /// Draws the last frame once more, as it was; returns the milliseconds. What two times for one picture differ by is
-  /// the machine's noise: no estimate can be better.
-  Result<double> redraw();
+  /// Draws the last frame once more, as it was. What two times for one picture differ by is the machine's noise: no
+  /// estimate can be better.
+  struct Redraw {
+    double ms = 0, cpu_ms = 0;  ///< by the clock; of the processor
+  };
+  Result<Redraw> redraw();
   /// Draws the nodes of the last frame as another camera sees them: what is there, and what is left out.
   Status draw_from(const Camera& camera);
 
@@ -125,10 +137,16 @@ class Session {
   std::vector<NodeId> resident_nodes() const;
   uint64_t resident_bytes() const;
   uint64_t resident_bytes_peak() const;
-  SelectOptions& select_options();  ///< may be changed between frames
-  FrameView& frame_view();          ///< light and background; may be changed between frames
-  uint32_t& fade_frames();          ///< may be changed between frames
-  FarStyle& far_style();            ///< may be changed between frames
+  /// Of what moves: holds from the next frame on.
+  void set_time(double time_s);
+  /// The model with what moves where it was drawn last.
+  const Model& model_now() const;
+  const ClassWeights& class_weights() const;
+  void set_class_weight(const std::string& class_name, double weight);  ///< in [0, 1]; may be called between frames
+  SelectOptions& select_options();                                      ///< may be changed between frames
+  FrameView& frame_view();  ///< light and background; may be changed between frames
+  uint32_t& fade_frames();  ///< may be changed between frames
+  FarStyle& far_style();    ///< may be changed between frames
 
  private:
   struct State;

@@ -10,7 +10,9 @@ Sight::Sight(const Model& model, const SelectView& view, const SelectOptions& op
       later_eye(glm::dvec3(eye) + view.velocity_m_per_s * options.look_ahead_s),
       towards_eye(-basis_of(view.camera.pose).forward),
       frustum(frustum_of(view.camera, model.manifest.origin)),
-      pixels_per_radian(promenade::pixels_per_radian(view.camera)) {}
+      pixels_per_radian(promenade::pixels_per_radian(view.camera)),
+      importance(view.importance),
+      importance_weight(options.benefit.importance_weight) {}
 
 double error_px(const NodeRecord& node, const Sight& sight, ErrorKind kind) {
   return screen_error_px(error_m(node, kind), node.box.distance(sight.eye), sight.pixels_per_radian);
@@ -45,7 +47,7 @@ float priority_of(const Model& model, NodeId id, const Sight& sight, const Selec
                                  : double(error_m(model.tables.nodes[index_of(node.parent)], options.error_kind));
     priority = coarser_m / distance_m * sight.pixels_per_radian * vis;
   }
-  return static_cast<float>(std::min(priority, 1e30));
+  return static_cast<float>(std::min(priority * sight.importance_of(id), 1e30));
 }
 
 }  // namespace promenade

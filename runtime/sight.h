@@ -1,6 +1,8 @@
 #pragma once
 // What selection measures a node by: its error in pixels, its place beside the frustum, its priority.
 
+#include <algorithm>
+
 #include "runtime/policy.h"
 
 namespace promenade {
@@ -9,9 +11,17 @@ namespace promenade {
 struct Sight {
   Sight(const Model& model, const SelectView& view, const SelectOptions& options);
 
+  /// How much a node matters, in [0, 1]: SelectView::importance as far as it weighs.
+  double importance_of(NodeId id) const {
+    if (index_of(id) >= importance.size()) return 1;
+    return 1 - importance_weight * (1 - std::clamp(double(importance[index_of(id)]), 0.0, 1.0));
+  }
+
   glm::vec3 eye, later_eye, towards_eye;
   Frustum frustum;
   double pixels_per_radian;
+  std::span<const float> importance;
+  double importance_weight;
 };
 
 /// Pixels that the node's error may move a point by.

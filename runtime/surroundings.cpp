@@ -23,7 +23,8 @@ struct NearLeaf {
 /// Leaves with something in the box, the nearest to the eye first.
 std::vector<NearLeaf> leaves_in(const Model& model, const Box& box, const glm::vec3& eye) {
   std::vector<NearLeaf> leaves;
-  std::vector<NodeId> open = model.tables.roots;
+  std::vector<NodeId> open = model.tables.roots;  // of what stands still: who walks lets what moves pass through
+  open.resize(open.size() - model.objects.moving.size());
   while (!open.empty()) {
     const NodeId id = open.back();
     open.pop_back();

@@ -15,9 +15,6 @@
 #include "codec/image_codec.h"
 #include "geometry/path.h"
 #include "layout/file_io.h"
-#include "runtime/calibration.h"
-#include "runtime/cpu_renderer.h"
-#include "runtime/gl_renderer.h"
 #include "runtime/gl_window.h"
 #include "runtime/motion.h"
 #include "runtime/panels.h"
@@ -26,6 +23,7 @@
 #include "runtime/viewer_panel.h"
 #include "runtime/viewer_settings.h"
 #include "runtime/walk.h"
+#include "runtime/window_renderer.h"
 
 namespace promenade {
 namespace {
@@ -65,41 +63,6 @@ DBox box_of(const Model& model) {
     box.add(glm::dvec3(b.max) + model.manifest.origin);
   }
   return box;
-}
-
-/// Who draws into a window.
-struct WindowRenderer {
-  std::unique_ptr<Renderer> renderer;
-  GlRenderer* gl = nullptr;  ///< the same, if it draws with the window's OpenGL
-};
-
-/// Whether the CPU's renderer draws frames faster than the window's OpenGL: as measured here once.
-bool cpu_is_faster(GlWindow& window) {
-  const std::filesystem::path file = calibration_file("window");
-  const std::string name = window.description();
-  const Result<Calibration> known = calibrated(file, calibration_machine(name), [&]() -> Result<Calibration> {
-    const Result<std::unique_ptr<GlRenderer>> gl = create_gl_renderer(window);
-    if (!gl) return gl.error();
-    return calibrate(**gl, name);
-  });
-  const std::string why = known ? reason_of(*known, file) : "auto: no OpenGL: " + known.error().message;
-  const bool cpu = !known || known->cpu_is_faster();
-  fmt::print(stderr, "renderer: {} ({})\n", cpu ? "cpu: visibility buffer" : name, why);
-  return cpu;
-}
-
-Result<WindowRenderer> make_renderer(RendererKind kind, GlWindow& window) {
-  const bool on_cpu = kind == RendererKind::cpu || (kind == RendererKind::automatic && cpu_is_faster(window));
-  WindowRenderer drawing;
-  if (on_cpu) {
-    drawing.renderer = create_cpu_renderer();
-    return drawing;
-  }
-  Result<std::unique_ptr<GlRenderer>> renderer = create_gl_renderer(window);
-  if (!renderer) return renderer.error();
-  drawing.gl = renderer->get();
-  drawing.renderer = std::move(*renderer);
-  return drawing;
 }
 
 class Viewer {
@@ -159,6 +122,8 @@ class Viewer {
   std::optional<std::pair<double, double>> mouse_;  ///< where a drag was last
   std::array<bool, GLFW_KEY_LAST + 1> was_down_{};
   bool panel_ = true, on_foot_ = false, bird_ = false;
+  bool playing_ = true;          ///< what is animated moves
+  double time_s_ = 0;            ///< of the animations
   double bird_m_ = kFirstBirdM;  ///< how high the bird is
   BoxColors boxes_ = BoxColors::none;
   bool recording_ = false;
@@ -219,6 +184,7 @@ void Viewer::read_keys(double dt_s) {
     if (on_foot_) camera_.pose.roll_deg = 0, speed_m_per_s_ = kWalkSpeed;
   }
   if (pressed(GLFW_KEY_B)) bird_ = !bird_;
+  if (pressed(GLFW_KEY_T)) playing_ = !playing_;
   if (pressed(GLFW_KEY_V)) boxes_ = static_cast<BoxColors>((static_cast<int>(boxes_) + 1) % 5);
   if (pressed(GLFW_KEY_H)) panel_ = !panel_;
   if (pressed(GLFW_KEY_HOME)) by_itself_.glide(camera_.pose, home_);
@@ -383,6 +349,10 @@ void Viewer::draw_panel(const FrameRow& row) {
   ImGui::Checkbox("walk", &on_foot_);
   ImGui::SameLine();
   ImGui::Checkbox("bird's eye", &bird_);
+  if (!source_.model().objects.moving.empty()) {
+    ImGui::SameLine();
+    ImGui::Checkbox(fmt::format("moving ({:.1f} s)###moving", time_s_).c_str(), &playing_);
+  }
   draw_box_colors_setting(boxes_);
   draw_settings(session_);
   if (!message_.empty()) ImGui::TextUnformatted(message_.c_str());
@@ -391,7 +361,8 @@ void Viewer::draw_panel(const FrameRow& row) {
       "drag: look   double click: go there   WASD, arrows, space, C: move   G: walk or fly   Q E: roll   wheel: speed  "
       " "
       "F: straighten   Home: back to the start   1-9: bookmark, Ctrl + 1-9: set it   B: bird's eye (wheel: height)   "
-      "V: boxes of nodes   P: picture   R: record   L: replay   H: hide this   Esc: quit");
+      "V: boxes of nodes   T: what moves stops or goes on   P: picture   R: record   L: replay   H: hide this   Esc: "
+      "quit");
   ImGui::PopTextWrapPos();
   ImGui::End();
 }
@@ -400,15 +371,19 @@ Result<ViewerReport> Viewer::run() {
   recorded_ = options_.replay;
   if (!recorded_.keys.empty()) by_itself_.replay(recorded_);
   const Clock::time_point begin = Clock::now();
+  Clock::time_point polled = begin;
   double last_s = 0, total_ms = 0;
   while (!window_.closing() && (options_.max_frames == 0 || report_.frames < options_.max_frames)) {
     const double now_s = std::chrono::duration<double>(Clock::now() - begin).count();
     const double dt_s = std::min(now_s - last_s, kLongestStepS);
     last_s = now_s;
     panels_.begin();
+    const Clock::time_point asked = polled;  // keys and mouse of this frame are as they were then
     read_keys(dt_s);
     camera_.width_px = window_.width_px();
     camera_.height_px = window_.height_px();
+    if (playing_) time_s_ += dt_s;
+    session_.set_time(time_s_);
     const Result<FrameRow> row = session_.frame(camera_, dt_s);
     if (!row) return row.error();
     ++report_.frames;
@@ -419,6 +394,8 @@ Result<ViewerReport> Viewer::run() {
     if (panel_) draw_panel(*row);
     panels_.end();
     window_.swap_and_poll();
+    polled = Clock::now();
+    plots_.set_response_ms(std::chrono::duration<double, std::milli>(polled - asked).count());
   }
   if (recording_) PROMENADE_TRY(stop_recording());
   keep_settings();
@@ -441,7 +418,7 @@ void use_settings(const ViewerSettings& settings, const ViewerOptions& options, 
 Result<ViewerReport> view(const ModelSource& source, const ViewerOptions& options) {
   Result<std::unique_ptr<GlWindow>> window = create_gl_window(options.title, options.width_px, options.height_px);
   if (!window) return window.error();
-  const Result<WindowRenderer> drawing = make_renderer(options.renderer, **window);
+  const Result<WindowRenderer> drawing = make_window_renderer(options.renderer, **window);
   if (!drawing) return drawing.error();
   SessionOptions session_options = options.session;
   ViewerSettings settings = read_viewer_settings(options.settings_file, options.model_name);

@@ -37,9 +37,9 @@ struct ViewerReport {
 
 /// Opens a window and returns when it is closed. Left mouse button: look; double click: go there; W A S D, arrows,
 /// space and C: move; G: on foot (ground, stairs, walls) or flying; Q E: roll; wheel: speed; F: straighten; Home: back
-/// to the start; 1 to 9: to a bookmark, with Control set it; B: bird's eye; V: boxes of nodes in false colours; H:
-/// panel; P: screenshot; R: record a path, and stop; L: replay it; Escape: leave. Errors: no display; those of Session.
-/// Thread: the main one.
+/// to the start; 1 to 9: to a bookmark, with Control set it; B: bird's eye; V: boxes of nodes in false colours; T: what
+/// moves stops, or goes on; H: panel; P: screenshot; R: record a path, and stop; L: replay it; Escape: leave. Errors:
+/// no display; those of Session. Thread: the main one.
 Result<ViewerReport> view(const ModelSource& source, const ViewerOptions& options);
 
 }  // namespace promenade

@@ -56,7 +56,8 @@ void FramePlots::draw(const Session& session, double target_ms, uint64_t memory_
        fmt::format("{:.1f} of {:.0f} MiB", double(last_.resident_bytes) / 1048576, bound_mib), bound_mib, 40);
   plot("##read", read_kib_, fmt::format("{:.0f} KiB read", double(last_.bytes_read) / 1024),
        std::max(64.0, double(*std::max_element(read_kib_.begin(), read_kib_.end()))), 40);
-  ImGui::Text("select %.2f  upload %.2f  draw %.2f ms", last_.select_ms, last_.upload_ms, last_.draw_ms);
+  ImGui::Text("select %.2f  upload %.2f  draw %.2f ms  response %.1f ms", last_.select_ms, last_.upload_ms,
+              last_.draw_ms, response_ms_);
   ImGui::Text("%llu triangles in %llu nodes, %llu missing", static_cast<unsigned long long>(last_.triangles_drawn),
               static_cast<unsigned long long>(last_.nodes_drawn), static_cast<unsigned long long>(last_.nodes_missing));
   std::string levels = "levels";
@@ -92,6 +93,16 @@ void draw_settings(Session& session) {
     slide("motion", select.benefit.motion_weight, 0, 1);
     slide("hysteresis", select.benefit.hysteresis_weight, 0, 1);
   }
+  const std::vector<std::string>& classes = session.model_now().objects.classes;
+  if (!classes.empty() && ImGui::CollapsingHeader("classes")) {
+    for (const std::string& name : classes) {
+      const auto found = session.class_weights().find(name);
+      const double before = found == session.class_weights().end() ? 1 : found->second;
+      double weight = before;
+      slide(name.empty() ? "(no class)" : name.c_str(), weight, 0, 1);
+      if (weight != before) session.set_class_weight(name, weight);
+    }
+  }
   if (uses_time(select.policy) && ImGui::CollapsingHeader("time slices")) {
     ImGui::Checkbox("hysteresis", &select.time.hysteresis);
     slide("switch", select.time.hysteresis_switch, 1, 50);
@@ -122,7 +133,7 @@ void draw_overlay(const RasterView& view, const ModelSource& source, const Sessi
       lines->AddLine({line[0].x, line[0].y}, {line[1].x, line[1].y}, color, width);
     };
   };
-  const ModelTables& tables = source.model().tables;
+  const ModelTables& tables = session.model_now().tables;
   if (colors != BoxColors::none) {
     NodeRecord most;  // of every figure, whichever node has it
     most.level = most.triangles = 1;

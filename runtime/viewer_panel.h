@@ -13,6 +13,8 @@ namespace promenade {
 class FramePlots {
  public:
   void add(const FrameRow& row);
+  /// From asking for keys and mouse to the picture that follows them.
+  void set_response_ms(double ms) { response_ms_ = ms; }
   void draw(const Session& session, double target_ms, uint64_t memory_bytes) const;
 
  private:
@@ -21,6 +23,7 @@ class FramePlots {
   static void push(Plot& plot, double value);
   Plot frame_ms_{}, resident_mib_{}, read_kib_{};
   FrameRow last_;
+  double response_ms_ = 0;
 };
 
 /// Sliders and boxes for all that the policies can be told. Between Panels::begin() and end().

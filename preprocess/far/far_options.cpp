@@ -26,7 +26,8 @@ constexpr uint32_t kLeastSidePx = 17;
 
 Box box_of(const Model& model) {
   Box box;
-  for (const NodeId root : model.tables.roots) box.add(model.tables.nodes[index_of(root)].box);
+  for (const NodeId root : model.tables.roots)
+    if (!model.is_moving(root)) box.add(model.tables.nodes[index_of(root)].box);
   return box;
 }
 

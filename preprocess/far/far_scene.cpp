@@ -88,6 +88,7 @@ Result<FarView> FarView::make(const FarScene& scene, const glm::dvec3& centre, d
   const FrontBound bound{kFrontErrorTexels, {double(1U << levels) / 2, 0}};
   std::vector<const MipTexture*> textures(model.tables.textures.size(), nullptr);
   for (const NodeId id : cell_front(model, eye, bound)) {
+    if (model.is_moving(id)) continue;  // drawn where it is, whatever the distance
     if (near.contains(model.tables.nodes[index_of(id)].box)) continue;
     Result<FarScene::Held> held = scene.get(id);
     if (!held) return held.error();

@@ -12,7 +12,7 @@
 namespace promenade {
 namespace {
 
-constexpr double kBesideM = 0.001;  // a ray that only itself gets through goes through a slit narrower than twice this
+constexpr double kBesideM = 0.001;  // what is narrower is a slit; what is twice as wide is none
 
 /// A narrow picture: everything of the sphere about `at` is in it.
 RasterView aimed_view(const glm::dvec3& eye, const glm::dvec3& at, double radius_m, uint32_t side_px) {
@@ -98,6 +98,7 @@ class CellLooks {
   CellLooks(const Box& cell, HeldNodes held, const NodeMeshes& meshes, std::span<const NodeId> front,
             std::span<const uint8_t> hidden, const LookOptions& options)
       : held_(std::move(held)),
+        front_(front),
         hidden_(hidden),
         full_(meshes, front),
         options_(options),
@@ -173,20 +174,31 @@ class CellLooks {
       ++looks_.crack_pixels;
       return Done{};
     }
-    for (const auto& [right, up] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
-      RasterView beside = view;
-      beside.eye += (view.right * double(right) + view.up * double(up)) * kBesideM;
-      const Result<bool> also = meets_hidden(beside, x, y);
-      if (!also) return also.error();
-      if (!*also) continue;
-      looks_.truly_seen[item] = 1;
+    // Along each of four lines across the view one of two rays beside it must get there, too: a slit in whatever
+    // direction ends both along one of them.
+    constexpr double kDiagonal = 0.70710678;
+    for (const auto& [right, up] : {std::pair(1.0, 0.0), {0.0, 1.0}, {kDiagonal, kDiagonal}, {kDiagonal, -kDiagonal}}) {
+      bool either = false;
+      for (const double side_m : {kBesideM, -kBesideM}) {
+        if (either) break;
+        RasterView beside = view;
+        beside.eye += (view.right * right + view.up * up) * side_m;
+        const Result<bool> also = meets_hidden(beside, x, y);
+        if (!also) return also.error();
+        either = *also;
+      }
+      if (either) continue;
+      ++looks_.slit_pixels;
       return Done{};
     }
-    ++looks_.slit_pixels;
+    looks_.truly_seen[item] = 1;
+    const glm::dvec3 at = view.eye + ray_direction(view, x + 0.5, y + 0.5) * double(buffer_.depth_m(x, y));
+    looks_.missed.push_back({view.eye, at, front_[item]});
     return Done{};
   }
 
   HeldNodes held_;
+  std::span<const NodeId> front_;
   std::span<const uint8_t> hidden_;
   FullDetail full_;
   LookOptions options_;

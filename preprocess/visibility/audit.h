@@ -23,6 +23,12 @@ struct LookOptions {
   static constexpr uint32_t kAimedPx = 64;
 };
 
+/// A ray that ends on a hidden node, explained by nothing.
+struct MissedRay {
+  glm::dvec3 eye{0}, at{0};  ///< metres, model space
+  NodeId node = kNoNode;
+};
+
 /// What the pictures of one cell show.
 struct Looks {
   uint64_t eyes = 0, views = 0, pixels = 0;
@@ -34,11 +40,13 @@ struct Looks {
   /// Pixels that show a hidden node only because what is drawn has a crack there: at full detail, the same ray ends
   /// before, on a node that is kept.
   uint64_t crack_pixels = 0;
-  /// Pixels whose ray gets to a hidden node at full detail, too, but none of four parallel rays a millimetre beside it
-  /// does: through a slit narrower than two millimetres, such as vertices rounded along an edge leave.
+  /// Pixels whose ray gets to a hidden node at full detail, too, but through a slit narrower than a millimetre or two,
+  /// such as vertices rounded along an edge leave: along one of four lines across the view, neither of the two parallel
+  /// rays a millimetre to its sides gets there.
   uint64_t slit_pixels = 0;
   /// By item of the front: shown at a pixel that neither explains.
   std::vector<uint8_t> truly_seen;
+  std::vector<MissedRay> missed;  ///< the first of each such node
 };
 
 /// Draws the front without hiding anything. hidden (may be empty): marks what must not be seen, for `worst`. Eyes: 0

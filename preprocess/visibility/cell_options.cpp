@@ -1,3 +1,5 @@
+#include "preprocess/visibility/cell_options.h"
+
 #include <fmt/format.h>
 
 #include <array>
@@ -5,7 +7,6 @@
 
 #include "codec/frame.h"
 #include "preprocess/unit_io.h"
-#include "preprocess/visibility/visibility.h"
 
 namespace promenade {
 

@@ -51,7 +51,7 @@ uint64_t hash_of(std::span<const Box> cells, uint64_t hash) { return checksum(st
 class Batch {
  public:
   Batch(const Model& model, HiderChain hiders, const FrontBound& bound, uint64_t hash, const WorkFolder& folder,
-        JobMonitor& monitor, const std::vector<Box>& cells)
+        JobMonitor& monitor, const std::vector<Box>& cells, uint64_t asked_before)
       : vlods(cells.size()),
         model_(model),
         hiders_(hiders),
@@ -59,7 +59,9 @@ class Batch {
         hash_(hash),
         folder_(folder),
         monitor_(monitor),
-        cells_(cells) {}
+        cells_(cells),
+        asked_(asked_before + cells.size()),
+        done_(asked_before) {}
 
   void work(const std::string& name, size_t first, size_t count) {
     const auto out = std::span(vlods).subspan(first, count);
@@ -95,7 +97,7 @@ class Batch {
   std::atomic<uint64_t> resumed = 0, computed = 0, busy_us = 0;
 
  private:
-  void progress(size_t count) { monitor_.progress("visibility", done_ += count, cells_.size()); }
+  void progress(size_t count) { monitor_.progress("visibility", done_ += count, asked_); }
   void fail(const Error& error) {
     const std::lock_guard lock(mutex_);
     if (!failure_) failure_ = error;
@@ -109,7 +111,8 @@ class Batch {
   const WorkFolder& folder_;
   JobMonitor& monitor_;
   const std::vector<Box>& cells_;
-  std::atomic<uint64_t> done_ = 0;
+  uint64_t asked_;              ///< cells, of this batch and those before
+  std::atomic<uint64_t> done_;  ///< of these
   std::atomic<bool> failed_ = false;
   std::mutex mutex_;
   std::optional<Error> failure_;  ///< guarded by mutex_
@@ -127,7 +130,8 @@ Result<std::vector<NodeId>> decoded(const CodedVlod& vlod, uint32_t nodes) {
 }
 
 Result<std::vector<CodedVlod>> CellUnits::run(const std::string& name, const std::vector<Box>& cells) {
-  Batch batch(model_, hiders_, bound_, hash_, folder_, monitor_, cells);
+  Batch batch(model_, hiders_, bound_, hash_, folder_, monitor_, cells, asked_);
+  asked_ += cells.size();
   const size_t units = (cells.size() + kUnitCells - 1) / kUnitCells;
   tbb::parallel_for(
       size_t(0), units,

@@ -49,6 +49,7 @@ class CellUnits {
   const WorkFolder& folder_;
   JobMonitor& monitor_;
   CellUnitCounts counts_;
+  uint64_t asked_ = 0;  ///< cells, of all batches
 };
 
 }  // namespace promenade

@@ -12,7 +12,7 @@ namespace promenade {
 
 /// Random eyes of one cell, every second one on its boundary. None inside something solid: who looks at the backs of
 /// one-sided surfaces in most directions stands where nobody stands. None below the ground or a roof, and none nearer
-/// to a surface than the corners of a picture's near plane (kNearestEyeM). One thread at a time.
+/// to a surface than the corners of a picture's near plane (kNearM). One thread at a time.
 class EyeFinder {
  public:
   /// The camera's near plane for pictures from these eyes.

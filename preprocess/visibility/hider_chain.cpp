@@ -106,14 +106,19 @@ class ChainMaker {
 
 std::string_view hider_names() { return "backface, horizon, portals, sampled"; }
 
-const std::vector<std::string>& default_hiders() {
-  static const std::vector<std::string> names = {"backface", "horizon"};
-  return names;
+const std::vector<std::string>& hiders_for(CellStyle style) {
+  static const std::vector<std::string> outdoors = {"backface", "horizon"}, indoors = {"backface", "portals"};
+  return style == CellStyle::kd ? indoors : outdoors;
+}
+
+const std::vector<std::string>& resolved_hiders(const std::vector<std::string>& names, CellStyle style) {
+  return names.size() == 1 && names[0] == kAutoHiders ? hiders_for(style) : names;
 }
 
 Result<std::vector<std::string>> parse_hiders(std::string_view list) {
   std::vector<std::string> names;
   if (list.empty() || list == "none") return names;
+  if (list == kAutoHiders) return std::vector<std::string>{std::string(list)};
   for (size_t at = 0; at <= list.size();) {
     const size_t end = std::min(list.find(',', at), list.size());
     const std::string name(list.substr(at, end - at));

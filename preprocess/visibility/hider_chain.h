@@ -8,6 +8,7 @@
 
 #include "geometry/job_monitor.h"
 #include "layout/model_io.h"
+#include "preprocess/visibility/cell_options.h"
 #include "preprocess/visibility/hider.h"
 
 namespace promenade {
@@ -18,9 +19,14 @@ struct HiderBuildOptions {
 
 /// Every name that a chain may hold, separated by commas: for usage texts.
 std::string_view hider_names();
-/// What a build uses unless told otherwise.
-const std::vector<std::string>& default_hiders();
-/// "backface,horizon" to names; "none" and "" to no names. Errors: a name that no hider has, or one given twice.
+/// What a build uses unless told otherwise: kAutoHiders alone.
+constexpr std::string_view kAutoHiders = "auto";
+/// The chain that "auto" stands for in cells of a style.
+const std::vector<std::string>& hiders_for(CellStyle style);
+/// The names, or for kAutoHiders the chain for the style.
+const std::vector<std::string>& resolved_hiders(const std::vector<std::string>& names, CellStyle style);
+/// "backface,horizon" to names, "auto" to that one name; "none" and "" to no names. Errors: a name that no hider has,
+/// or one given twice.
 Result<std::vector<std::string>> parse_hiders(std::string_view list);
 
 /// Prepares hiders for a model, in the order of their names; that is the order in which a cell should ask them. What

@@ -1,5 +1,5 @@
 #pragma once
-// All leaves of a model, several at once.
+// All leaves of a model that stand still, several at once.
 
 #include <tbb/parallel_for.h>
 
@@ -14,10 +14,11 @@
 
 namespace promenade {
 
+/// Of what stands still.
 inline std::vector<NodeId> leaves_of(const Model& model) {
   std::vector<NodeId> leaves;
   leaves.reserve(model.tables.nodes.size());
-  for (uint32_t i = 0; i < model.tables.nodes.size(); ++i)
+  for (uint32_t i = 0; i < model.first_moving_node(); ++i)
     if (model.tables.nodes[i].child_count == 0) leaves.push_back(NodeId{i});
   return leaves;
 }

@@ -6,6 +6,7 @@ namespace promenade {
 
 Result<std::unique_ptr<NodeMeshes>> NodeMeshes::make(const ModelReader& model, uint64_t cache_bytes) {
   std::unique_ptr<NodeMeshes> meshes(new NodeMeshes(model, cache_bytes));
+  meshes->moving_ = model_from_objects(model.model(), 0);
   PROMENADE_TRY(meshes->read_holes());
   return meshes;
 }
@@ -29,9 +30,12 @@ Status NodeMeshes::read_holes() {
 }
 
 Result<PreparedMesh> NodeMeshes::prepare_node(NodeId id) const {
-  const Result<Mesh> mesh = model_.read_mesh(id);
+  Result<Mesh> mesh = model_.read_mesh(id);
   if (!mesh) return mesh.error();
-  const std::vector<Material>& materials = model_.model().tables.materials;
+  const Model& model = model_.model();
+  if (model.is_moving(id))
+    mesh = transformed(*mesh, moving_[model.objects.moving_nodes[index_of(id) - model.first_moving_node()].object]);
+  const std::vector<Material>& materials = model.tables.materials;
   PrepareOptions options;
   options.attributes = false;
   for (size_t t = 0; t < mesh->triangle_count() && !options.attributes; ++t)

@@ -1,5 +1,6 @@
 #pragma once
-// Nodes' meshes ready for the rasteriser, read when first wanted and kept while memory lasts.
+// Nodes' meshes ready for the rasteriser, read when first wanted and kept while memory lasts. Objects that move stand
+// where they do at time 0.
 
 #include <memory>
 #include <mutex>
@@ -35,6 +36,7 @@ class NodeMeshes {
 
   const ModelReader& model_;
   uint64_t cache_bytes_;
+  std::vector<glm::dmat4> moving_;  ///< by object
   std::vector<std::unique_ptr<MipTexture>> textures_;
   std::unique_ptr<SurfaceTable> surfaces_;
 

@@ -151,6 +151,10 @@ Result<NodeParts> NodeParts::make(const ModelReader& model, JobMonitor& monitor)
   std::optional<std::pair<size_t, Error>> failed;  // the first by node
   tbb::parallel_for(size_t(0), count, [&](size_t i) {
     if (monitor.cancelled()) return;
+    if (i >= model.model().first_moving_node()) {  // anywhere in what it sweeps, from any side
+      made[i] = {{tables.nodes[i].box, {}}};
+      return;
+    }
     const Result<Mesh> mesh = model.read_mesh(NodeId{static_cast<uint32_t>(i)});
     if (mesh) {
       made[i] = cut_into_parts(*mesh, tables.materials, kMostParts);

@@ -270,7 +270,7 @@ Result<TileResult> work_tile(const ModelReader& model, const Box& core, const Bo
   grid.ny = static_cast<uint32_t>(std::ceil(double(around.size().y) / grid.column_m)) + 1;
   const ModelTables& tables = model.model().tables;
   ColumnBuilder builder(grid);
-  for (uint32_t i = 0; i < tables.nodes.size(); ++i) {
+  for (uint32_t i = 0; i < model.model().first_moving_node(); ++i) {  // what moves hides nothing
     if (tables.nodes[i].child_count != 0 || !tables.nodes[i].box.overlaps(around)) continue;
     if (monitor.cancelled()) return Error{"interrupted"};
     const Result<Mesh> mesh = model.read_mesh(NodeId{i});

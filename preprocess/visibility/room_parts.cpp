@@ -9,8 +9,7 @@
 namespace promenade {
 namespace {
 
-constexpr float kAxial = 0.9998F;  // cosine of about a degree
-constexpr float kPartM = 3;        // what lies in one room is told apart by squares of space of this size
+constexpr float kPartM = 3;  // what lies in one room is told apart by squares of space of this size
 
 /// A room and a cube of space.
 struct PartKey {
@@ -20,14 +19,15 @@ struct PartKey {
 };
 using NodeParts = std::map<PartKey, Box>;
 
-/// A wall's surface bounds the room before it and the inside of the wall, which it shows its back. Only so for surfaces
-/// as axial as walls are: nearly edge-on, tilted ones are seen from a little behind.
-bool shows_its_back(const glm::vec3& normal, const Box& triangle, const Box& room) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (normal[axis] >= kAxial) return room.max[axis] <= triangle.min[axis] + 2 * Rooms::kSlackM;
-    if (normal[axis] <= -kAxial) return room.min[axis] >= triangle.max[axis] - 2 * Rooms::kSlackM;
-  }
-  return false;
+/// Whether nobody in a room is before a triangle: a wall's surface bounds the room before it and the inside of the
+/// wall, which it shows its back. Surfaces in the room's plane count, too: what is before them there is the next
+/// room's, which the triangle is near enough to be in.
+bool shows_its_back(const glm::vec3& normal, const std::array<glm::vec3, 3>& triangle, const Box& room) {
+  constexpr float kBeforeM = Rooms::kSlackM - 1e-5F;
+  if (normal == glm::vec3(0)) return false;
+  glm::vec3 before;  // the room's corner that is farthest before it
+  for (int axis = 0; axis < 3; ++axis) before[axis] = normal[axis] > 0 ? room.max[axis] : room.min[axis];
+  return glm::dot(glm::dvec3(normal), glm::dvec3(before) - glm::dvec3(triangle[0])) <= double(kBeforeM);
 }
 
 /// Bounds of the part of a triangle within a box; empty where there is none.
@@ -64,6 +64,16 @@ class NodePlacer {
     reach_m_ = Rooms::kSlackM + (node.child_count == 0 ? 0 : node.error_m);
   }
 
+  /// What moves is in every room that it sweeps.
+  NodeParts run_swept(const Box& swept) {
+    for_each_room(rooms_, swept.grown(reach_m_), [&](uint32_t room) {
+      const Box near = rooms_.space.cells[room].box.grown(reach_m_);
+      const Box inside{glm::max(near.min, swept.min), glm::min(near.max, swept.max)};
+      if (!inside.empty()) parts_[{room, 0, 0, 0}].add(inside);
+    });
+    return std::move(parts_);
+  }
+
   NodeParts run(const Mesh& mesh) {
     for (size_t t = 0; t < mesh.triangle_count(); ++t) {
       std::array<glm::vec3, 3> p;
@@ -82,7 +92,7 @@ class NodePlacer {
     for (const glm::vec3& corner : p) around.add(corner);
     for_each_room(rooms_, around.grown(reach_m_), [&](uint32_t room) {
       const Box& box = rooms_.space.cells[room].box;
-      if (shows_its_back(normal, around, box)) return;
+      if (shows_its_back(normal, p, box)) return;
       const Box near = box.grown(reach_m_);
       const Box inside = near.contains(around) ? around : clipped(p, near);
       if (inside.empty()) return;
@@ -113,7 +123,9 @@ Result<RoomParts> find_room_parts(const ModelReader& reader, const Rooms& rooms,
   }
   std::vector<NodeParts> made(nodes.size());
   PROMENADE_TRY(for_each_mesh(reader, nodes, monitor, [&](size_t i, const Mesh& mesh) {
-    made[i] = NodePlacer(model, rooms, nodes[i]).run(mesh);
+    NodePlacer placer(model, rooms, nodes[i]);
+    made[i] =
+        model.is_moving(nodes[i]) ? placer.run_swept(model.tables.nodes[index_of(nodes[i])].box) : placer.run(mesh);
   }));
   placed.first.assign(rooms.space.cells.size() + 1, 0);
   for (const NodeParts& of_node : made)

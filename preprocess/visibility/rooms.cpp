@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "layout/cell_faces.h"
 #include "preprocess/visibility/leaf_meshes.h"
 #include "preprocess/visibility/wall_mask.h"
 #include "preprocess/visibility/wall_planes.h"
@@ -94,6 +95,7 @@ Status RoomFinder::divide() {
     plan.set_cell(leaf, plan.box_of(leaf));
   std::vector<uint32_t> leaves;
   rooms_.space = tables_of(plan, FrontBound(), leaves);
+  PROMENADE_TRY(find_faces(rooms_.space));
   work_.resize(rooms_.space.faces.size());
   return Done{};
 }
@@ -155,13 +157,27 @@ void RoomFinder::meet(size_t leaf, const std::vector<WallTriangle>& found) {
   }
 }
 
+/// What closes a face, and what closes those beside it in its plane: an opening is as wide as the walls around it
+/// leave.
 void RoomFinder::list_walls() {
-  rooms_.first_wall.reserve(work_.size() + 1);
-  rooms_.first_wall.push_back(0);
   for (FaceWork& face : work_) {
     std::sort(face.leaves.begin(), face.leaves.end());
     face.leaves.erase(std::unique(face.leaves.begin(), face.leaves.end()), face.leaves.end());
-    for (const uint32_t leaf : face.leaves) rooms_.walls.push_back(leaves_[leaf]);
+  }
+  rooms_.first_wall.reserve(work_.size() + 1);
+  rooms_.first_wall.push_back(0);
+  for (uint32_t i = 0; i < work_.size(); ++i) {
+    const uint32_t axis = rooms_.space.faces[i].axis;
+    const Box near = rectangle(i).grown(Rooms::kSlackM);
+    std::vector<uint32_t> leaves;
+    for_each_room(rooms_, near, [&](uint32_t room) {
+      for (const uint32_t face : rooms_.space.faces_of(CellId{room}))
+        if (rooms_.space.faces[face].axis == axis && rectangle(face).overlaps(near))
+          leaves.insert(leaves.end(), work_[face].leaves.begin(), work_[face].leaves.end());
+    });
+    std::sort(leaves.begin(), leaves.end());
+    leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
+    for (const uint32_t leaf : leaves) rooms_.walls.push_back(leaves_[leaf]);
     rooms_.first_wall.push_back(static_cast<uint32_t>(rooms_.walls.size()));
   }
 }

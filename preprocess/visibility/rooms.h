@@ -38,7 +38,7 @@ struct Rooms {
   std::vector<RoomExit> exits;                 ///< by room, then way
   std::vector<uint32_t> first_exit;            ///< by room * 6 + way, and the end; way: 2 axis, and 1 for upwards
   std::vector<Box> openings;                   ///< with their slack
-  std::vector<NodeId> walls;                   ///< leaves of the tree whose triangles close faces
+  std::vector<NodeId> walls;                   ///< leaves of the tree whose triangles close a face or end at its rim
   std::vector<uint32_t> first_wall;            ///< by face, and the end
   std::array<std::vector<uint32_t>, 8> order;  ///< by octant of directions: rooms, each before those behind it
   double closed_m2 = 0, open_m2 = 0;           ///< of faces that some surface lies in, both directions

@@ -1,80 +1,6 @@
 #include "preprocess/visibility/view_cells.h"
 
-#include <algorithm>
-
 namespace promenade {
-namespace {
-
-/// Finds each pair of cells that share a rectangle, once: from the cell below, across its upper face along each axis.
-class FaceFinder {
- public:
-  explicit FaceFinder(CellTables& tables) : tables_(tables) {}
-
-  void run() {
-    for (uint32_t i = 0; i < tables_.cells.size(); ++i)
-      for (uint32_t axis = 0; axis < 3; ++axis) find_above(CellId{i}, axis);
-    list_by_cell();
-  }
-
- private:
-  void find_above(CellId id, uint32_t axis) {
-    const int a = static_cast<int>(axis);
-    const Box& box = tables_.cells[index_of(id)].box;
-    std::vector<uint32_t> found;
-    open_.assign(1, 0);
-    while (!open_.empty()) {
-      const CellTreeNode& node = tables_.tree[open_.back()];
-      open_.pop_back();
-      if (node.axis == CellTreeNode::kLeaf) {
-        if (node.below != index_of(kNoCell) && shares_face(box, tables_.cells[node.below].box, a))
-          found.push_back(node.below);
-        continue;
-      }
-      // The plane through the upper face, and the face's extent along the other axes.
-      const int split_axis = static_cast<int>(node.axis);
-      const float low = split_axis == a ? box.max[a] : box.min[split_axis], high = box.max[split_axis];
-      if (low < node.split_m) open_.push_back(node.below);
-      if (high >= node.split_m) open_.push_back(node.above);
-    }
-    std::sort(found.begin(), found.end());
-    for (const uint32_t other : found) add(id, CellId{other}, axis);
-  }
-
-  static bool shares_face(const Box& below, const Box& above, int axis) {
-    if (below.max[axis] != above.min[axis]) return false;
-    for (int i = 0; i < 3; ++i)
-      if (i != axis && std::max(below.min[i], above.min[i]) >= std::min(below.max[i], above.max[i])) return false;
-    return true;
-  }
-
-  void add(CellId below, CellId above, uint32_t axis) {
-    CellFace face{below, above, axis, static_cast<uint32_t>(tables_.portals.size()), 1};
-    tables_.portals.push_back(rectangle_of(tables_, face));
-    tables_.faces.push_back(face);
-  }
-
-  void list_by_cell() {
-    for (const CellFace& face : tables_.faces)
-      for (const CellId id : {face.below, face.above}) ++tables_.cells[index_of(id)].face_count;
-    uint32_t first = 0;
-    for (CellRecord& cell : tables_.cells) {
-      cell.first_face = first;
-      first += cell.face_count;
-      cell.face_count = 0;
-    }
-    tables_.faces_of_cells.resize(first);
-    for (uint32_t i = 0; i < tables_.faces.size(); ++i)
-      for (const CellId id : {tables_.faces[i].below, tables_.faces[i].above}) {
-        CellRecord& cell = tables_.cells[index_of(id)];
-        tables_.faces_of_cells[cell.first_face + cell.face_count++] = i;
-      }
-  }
-
-  CellTables& tables_;
-  std::vector<uint32_t> open_;
-};
-
-}  // namespace
 
 CellPlan::CellPlan(const Box& box) { nodes_.push_back({box}); }
 
@@ -108,6 +34,28 @@ std::vector<uint32_t> CellPlan::split_octants(uint32_t leaf) {
   return parts;
 }
 
+std::vector<uint32_t> CellPlan::nodes() const {
+  std::vector<uint32_t> found = {kRoot};
+  for (size_t i = 0; i < found.size(); ++i) {
+    const uint32_t node = found[i];
+    if (!is_leaf(node)) found.push_back(below(node)), found.push_back(above(node));
+  }
+  return found;
+}
+
+Box CellPlan::joined_cells(uint32_t node) const {
+  if (is_leaf(node)) return {};
+  const Node &low = nodes_[below(node)], &high = nodes_[above(node)];
+  if (low.axis != CellTreeNode::kLeaf || high.axis != CellTreeNode::kLeaf || !low.is_cell || !high.is_cell) return {};
+  const int axis = static_cast<int>(nodes_[node].axis);
+  if (low.cell.max[axis] != high.cell.min[axis]) return {};
+  for (int i = 0; i < 3; ++i)
+    if (i != axis && (low.cell.min[i] != high.cell.min[i] || low.cell.max[i] != high.cell.max[i])) return {};
+  Box joined = low.cell;
+  joined.add(high.cell);
+  return joined;
+}
+
 CellTables tables_of(const CellPlan& plan, const FrontBound& bound, std::vector<uint32_t>& leaves) {
   CellTables tables;
   tables.bound = bound;
@@ -138,7 +86,6 @@ CellTables tables_of(const CellPlan& plan, const FrontBound& bound, std::vector<
     if (node.axis == CellTreeNode::kLeaf) made.split_m = 0;
     tables.tree[at.tree_node] = made;
   }
-  FaceFinder(tables).run();
   return tables;
 }
 

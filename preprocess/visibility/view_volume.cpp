@@ -1,12 +1,8 @@
 #include "preprocess/visibility/view_volume.h"
 
-#include <tbb/parallel_for.h>
-
 #include <atomic>
-#include <mutex>
-#include <optional>
 
-#include "preprocess/survey.h"
+#include "preprocess/visibility/leaf_meshes.h"
 
 namespace promenade {
 
@@ -27,11 +23,12 @@ constexpr float kMostVotes = 1 << 14;
 class Surveyor {
  public:
   Surveyor(const ModelReader& reader, const VoxelGrid& grid, JobMonitor& monitor)
-      : reader_(reader), grid_(grid), monitor_(monitor), kinds_(grid.size(), Kind::unknown), votes_(grid.size(), 0) {
-    const ModelTables& tables = reader.model().tables;
-    for (uint32_t i = 0; i < tables.nodes.size(); ++i)
-      if (tables.nodes[i].child_count == 0) leaves_.push_back(NodeId{i});
-  }
+      : reader_(reader),
+        grid_(grid),
+        monitor_(monitor),
+        leaves_(leaves_of(reader.model())),
+        kinds_(grid.size(), Kind::unknown),
+        votes_(grid.size(), 0) {}
 
   Result<ViewVolume> run() {
     PROMENADE_TRY(for_each_leaf([this](const Mesh& mesh) { mark(mesh); }));
@@ -46,22 +43,10 @@ class Surveyor {
  private:
   template <class Visit>
   Status for_each_leaf(Visit visit) {
-    std::mutex mutex;
-    std::optional<Error> failure;
-    std::atomic<bool> stop = false;
-    tbb::parallel_for(size_t(0), leaves_.size(), [&](size_t i) {
-      if (stop || monitor_.cancelled()) return;
-      const Result<Mesh> mesh = reader_.read_mesh(leaves_[i]);
-      if (mesh) return visit(*mesh);
-      const std::lock_guard lock(mutex);
-      if (!failure) failure = mesh.error();
-      stop = true;
-    });
+    const Status done = for_each_mesh(reader_, leaves_, monitor_, [&](size_t, const Mesh& mesh) { visit(mesh); });
     done_ += leaves_.size();
     monitor_.progress("viewing space", done_, 3 * leaves_.size());
-    if (failure) return *failure;
-    if (monitor_.cancelled()) return Error{kInterrupted};
-    return Done{};
+    return done;
   }
 
   static Corners corners_of(const Mesh& mesh, size_t triangle) {

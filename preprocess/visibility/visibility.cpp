@@ -7,9 +7,10 @@
 #include <map>
 
 #include "codec/frame.h"
+#include "layout/cell_faces.h"
 #include "preprocess/unit_io.h"
+#include "preprocess/visibility/hider_chain.h"
 #include "preprocess/visibility/view_cells.h"
-#include "preprocess/visibility/view_volume.h"
 #include "preprocess/visibility/wall_planes.h"
 
 namespace promenade {
@@ -61,15 +62,38 @@ class Division {
     PROMENADE_TRY(evaluate(start));
     while (true) {
       const std::vector<uint32_t> chosen = choose();
-      if (chosen.empty()) return Done{};
+      if (chosen.empty()) break;
       PROMENADE_TRY(divide(chosen));
+    }
+    return Done{};
+  }
+
+  /// Makes one cell of two halves from which the same is seen at the same detail, and one dead space of two: their
+  /// borders tell nobody anything.
+  void join_alike(const Model& model, const FrontBound& bound) {
+    std::vector<uint32_t> nodes = plan_.nodes();
+    std::reverse(nodes.begin(), nodes.end());  // parts before what they are parts of
+    for (const uint32_t node : nodes) {
+      if (plan_.is_dead(node)) plan_.drop(node);
+      const Box joined = plan_.joined_cells(node);
+      if (joined.empty()) continue;
+      const uint32_t below = plan_.below(node), above = plan_.above(node);
+      if (!alike(vlods_.at(below), vlods_.at(above)) ||
+          cell_front(model, plan_.cell_of(below), bound) != cell_front(model, plan_.cell_of(above), bound))
+        continue;
+      vlods_[node] = std::move(vlods_.at(below));
+      vlods_.erase(below), vlods_.erase(above);
+      plan_.merge(node);
+      plan_.set_cell(node, joined);
+      --cells_;
     }
   }
 
-  Visibility result(const FrontBound& bound) {
+  Result<Visibility> result(const FrontBound& bound) {
     Visibility made;
     std::vector<uint32_t> leaves;
     made.cells = tables_of(plan_, bound, leaves);
+    PROMENADE_TRY(find_faces(made.cells));
     for (const uint32_t leaf : leaves) made.vlods.push_back(std::move(vlods_[leaf]));
     return made;
   }
@@ -113,6 +137,10 @@ class Division {
   void mark(std::vector<uint32_t>& leaves) {
     std::erase_if(leaves, [this](uint32_t leaf) { return !volume_.is_open(plan_.box_of(leaf)); });
     for (const uint32_t leaf : leaves) plan_.set_cell(leaf, volume_.above_ground(plan_.box_of(leaf)));
+  }
+
+  static bool alike(const CodedVlod& a, const CodedVlod& b) {
+    return a.front_nodes == b.front_nodes && a.front_triangles == b.front_triangles && a.ids == b.ids;
   }
 
   bool divisible(uint32_t leaf) const { return divisible(plan_.box_of(leaf)); }
@@ -252,25 +280,42 @@ VisibilityFigures figures_of(const Visibility& made, const CellUnitCounts& units
 
 }  // namespace
 
-Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const CellOptions& options,
-                                      uint64_t hash, const WorkFolder& folder, JobMonitor& monitor) {
-  const Result<ViewVolume> volume = volume_of(reader, options, monitor);
+Result<ViewSpace> survey_view_space(const ModelReader& reader, const CellOptions& options, JobMonitor& monitor) {
+  Result<ViewVolume> volume = volume_of(reader, options, monitor);
   if (!volume.ok()) return volume.error();
+  const CellStyle style = style_of(options, *volume);
+  return ViewSpace{std::move(*volume), style};
+}
+
+Result<std::vector<std::string>> chain_for_model(const std::vector<std::string>& names, const ModelReader& reader,
+                                                 JobMonitor& monitor) {
+  if (resolved_hiders(names, CellStyle::octree) == names) return names;
+  CellOptions options;
+  options.cells = CellStyle::automatic;
+  const Result<ViewSpace> space = survey_view_space(reader, options, monitor);
+  if (!space) return space.error();
+  return resolved_hiders(names, space->style);
+}
+
+Result<Visibility> compute_visibility(const ModelReader& reader, const ViewSpace& space, HiderChain hiders,
+                                      const CellOptions& options, uint64_t hash, const WorkFolder& folder,
+                                      JobMonitor& monitor) {
   const FrontBound bound = bound_of(options);
   CellUnits units(reader.model(), hiders, bound, hash_of(bound, hash), folder, monitor);
-  const CellStyle style = style_of(options, *volume);
   std::vector<AxialPatch> patches;
-  if (style == CellStyle::kd) {
+  if (space.style == CellStyle::kd) {
     Result<std::vector<AxialPatch>> found = find_axial_patches(reader, monitor);
     if (!found.ok()) return found.error();
     patches = std::move(*found);
   }
-  Division division(reader, *volume, units, options);
+  Division division(reader, space.volume, units, options);
   PROMENADE_TRY(division.run(patches));
-  Visibility made = division.result(bound);
-  made.figures = figures_of(made, units.counts());
-  made.figures.style = style;
-  made.figures.roofed_share = volume->roofed_share();
+  division.join_alike(reader.model(), bound);
+  Result<Visibility> made = division.result(bound);
+  if (!made) return made;
+  made->figures = figures_of(*made, units.counts());
+  made->figures.style = space.style;
+  made->figures.roofed_share = space.volume.roofed_share();
   return made;
 }
 

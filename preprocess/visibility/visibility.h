@@ -2,57 +2,14 @@
 // The visibility stage of a build: from a staged model to its view cells and what each of them sees.
 
 #include <cstdint>
-#include <filesystem>
-#include <map>
-#include <optional>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "layout/model_io.h"
+#include "preprocess/visibility/cell_options.h"
 #include "preprocess/visibility/cell_units.h"
+#include "preprocess/visibility/view_volume.h"
 
 namespace promenade {
-
-/// How viewing space is divided.
-enum class CellStyle : uint8_t {
-  none,       ///< not at all: the tree alone serves
-  automatic,  ///< kd where most of the space under roofs is open: rooms; else octree
-  octree,     ///< halves along every axis: for cities and landscapes
-  kd,         ///< along walls, floors and ceilings: for the inside of buildings
-};
-
-struct CellOptions {
-  CellStyle cells = CellStyle::none;
-  std::vector<std::string> hiders;  ///< by name, in the order in which a cell asks them; empty: nothing is hidden
-  double pixel_error = 1;           ///< bound of the fronts, pixels. Smaller: finer fronts, larger vLODs
-  uint32_t width_px = 1280, height_px = 720;  ///< the picture that it is meant for
-  double vertical_fov_deg = 60;
-  ErrorAt error_at = ErrorAt::center;
-  /// Most triangles of a vLOD that is not divided further. Smaller: more cells, less drawn.
-  uint64_t cell_triangles = 100000;
-  /// A cell is divided when it sees more than this many times what the smallest of its parts sees. [chhugani2003]
-  /// section 2.1 has 2; under levels of detail most of what is seen is near, and less is to be gained.
-  double cell_gain = 1.25;
-  double smallest_cell_m = 4;           ///< no cell is divided whose parts would be shorter than this along every axis
-  uint32_t max_cells = 0;               ///< 0: one a node, 256 to 4096. Those that gain most are divided first
-  std::optional<double> walk_height_m;  ///< only space this high above what one may stand on; nullopt: up to the sky
-  std::vector<DBox> inside;             ///< only space in these boxes, metres, world; empty: everywhere
-};
-
-/// The camera and the bound that the options name.
-FrontBound bound_of(const CellOptions& options);
-
-/// Refuses what no build can do; the message names the option.
-Status check_options(const CellOptions& options);
-/// Of every option that the result depends on.
-uint64_t hash_of(const CellOptions& options);
-/// By option name, for the manifest.
-std::map<std::string, std::string> settings_of(const CellOptions& options);
-
-/// "none", "auto", "octree", "kd".
-std::string_view name_of(CellStyle style);
-std::optional<CellStyle> cell_style_named(std::string_view name);
 
 struct VisibilityFigures {
   uint64_t cells = 0;
@@ -70,12 +27,26 @@ struct Visibility {
   VisibilityFigures figures;
 };
 
+/// Where somebody may be, and how that is divided.
+struct ViewSpace {
+  ViewVolume volume;
+  CellStyle style = CellStyle::none;  ///< what automatic comes to
+};
+
+/// Errors: reading the model, cancellation.
+Result<ViewSpace> survey_view_space(const ModelReader& reader, const CellOptions& options, JobMonitor& monitor);
+
+/// The names, or for kAutoHiders the chain for the style that the model would be divided in.
+Result<std::vector<std::string>> chain_for_model(const std::vector<std::string>& names, const ModelReader& reader,
+                                                 JobMonitor& monitor);
+
 /// Divides viewing space, evenly or along walls, and computes what is seen from each part. Cells that see more than
 /// cell_triangles are divided, those first where it takes most away, while it helps: while cell_gain times less is seen
 /// from the smallest part. hash: of the model's bytes and all that hiders depend on. Same result at any thread count
 /// and after any interruption. Errors: reading the model, a hider's, the disk's, cancellation. Source: [chhugani2003]
 /// section 2.1.
-Result<Visibility> compute_visibility(const ModelReader& reader, HiderChain hiders, const CellOptions& options,
-                                      uint64_t hash, const WorkFolder& folder, JobMonitor& monitor);
+Result<Visibility> compute_visibility(const ModelReader& reader, const ViewSpace& space, HiderChain hiders,
+                                      const CellOptions& options, uint64_t hash, const WorkFolder& folder,
+                                      JobMonitor& monitor);
 
 }  // namespace promenade

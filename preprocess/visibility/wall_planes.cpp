@@ -1,14 +1,11 @@
 #include "preprocess/visibility/wall_planes.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <optional>
 
-#include "preprocess/survey.h"
+#include "preprocess/visibility/leaf_meshes.h"
 
 namespace promenade {
 
@@ -185,35 +182,22 @@ class WallSplitter {
 }  // namespace
 
 Result<std::vector<AxialPatch>> find_axial_patches(const ModelReader& reader, JobMonitor& monitor) {
-  const ModelTables& tables = reader.model().tables;
   Box box;
-  std::vector<NodeId> leaves;
-  for (uint32_t i = 0; i < tables.nodes.size(); ++i) {
-    box.add(tables.nodes[i].box);
-    if (tables.nodes[i].child_count == 0) leaves.push_back(NodeId{i});
-  }
+  const std::vector<NodeId> leaves = leaves_of(reader.model());
+  for (const NodeId root : reader.model().tables.roots)
+    if (!reader.model().is_moving(root)) box.add(reader.model().tables.nodes[index_of(root)].box);
   const double tile_m = std::max(double(box.size()[box.longest_axis()]) / kTiles, kPlaneM);
   std::vector<Patches> of_leaves(leaves.size());
-  std::vector<std::optional<Error>> failures(leaves.size());
-  std::atomic<bool> stop = false;
-  tbb::parallel_for(size_t(0), leaves.size(), [&](size_t i) {
-    if (stop || monitor.cancelled()) return;
-    const Result<Mesh> mesh = reader.read_mesh(leaves[i]);
-    if (mesh.ok()) return gather(*mesh, tile_m, of_leaves[i]);
-    failures[i] = mesh.error();
-    stop = true;
-  });
-  if (monitor.cancelled()) return Error{kInterrupted};
+  PROMENADE_TRY(
+      for_each_mesh(reader, leaves, monitor, [&](size_t i, const Mesh& mesh) { gather(mesh, tile_m, of_leaves[i]); }));
   Patches all;
-  for (size_t i = 0; i < leaves.size(); ++i) {
-    if (failures[i]) return *failures[i];
-    for (const auto& [key, patch] : of_leaves[i]) {
+  for (const Patches& of_leaf : of_leaves)
+    for (const auto& [key, patch] : of_leaf) {
       AxialPatch& sum = all[key];
       sum.axis = patch.axis, sum.at_m = patch.at_m;
       sum.extent.add(patch.extent);
       sum.area_m2 += patch.area_m2;
     }
-  }
   std::vector<AxialPatch> patches;
   patches.reserve(all.size());
   for (const auto& [key, patch] : all) patches.push_back(patch);

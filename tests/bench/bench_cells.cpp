@@ -7,6 +7,7 @@
 #include <random>
 
 #include "codec/id_set.h"
+#include "layout/cell_faces.h"
 #include "layout/cell_front.h"
 #include "layout/cells_io.h"
 #include "layout/node_forest.h"
@@ -64,7 +65,9 @@ CellTables cells() {
     }
     for (const uint32_t part : plan.split_octants(leaf)) open.push_back(part);
   }
-  return tables_of(plan, one_pixel(), leaves);
+  CellTables tables = tables_of(plan, one_pixel(), leaves);
+  if (!find_faces(tables)) return {};
+  return tables;
 }
 
 void front_of_a_cell(benchmark::State& state) {

@@ -39,10 +39,10 @@ uint64_t runs_of_input(const Incidence& matrix) {
   return count_runs(matrix, order);
 }
 
-void BM_tour(benchmark::State& state) {
+void BM_tour(benchmark::State& state, const TourOptions& options) {
   const Incidence matrix = scattered_runs(static_cast<uint32_t>(state.range(0)));
   TourFigures figures;
-  for (auto unused : state) benchmark::DoNotOptimize(tour_order(matrix, TourOptions(), &figures).size());
+  for (auto unused : state) benchmark::DoNotOptimize(tour_order(matrix, options, &figures).size());
   const auto input = static_cast<double>(runs_of_input(matrix));
   state.counters["knn_s"] = figures.neighbours_s;
   state.counters["seed_s"] = figures.seed_s;
@@ -51,7 +51,18 @@ void BM_tour(benchmark::State& state) {
   state.counters["improvement_1"] = input / static_cast<double>(figures.runs_after_pass_1);
   state.counters["improvement"] = input / static_cast<double>(figures.runs);
 }
-BENCHMARK(BM_tour)->Arg(500)->Arg(1000)->Arg(3000)->Arg(9000)->Arg(27000)->Arg(1000000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_tour, greedy, TourOptions(TourSeed::greedy))
+    ->Arg(500)
+    ->Arg(1000)
+    ->Arg(3000)
+    ->Arg(9000)
+    ->Arg(27000)
+    ->Arg(1000000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_tour, bisection, TourOptions(TourSeed::bisection))
+    ->Arg(9000)
+    ->Arg(100000)
+    ->Unit(benchmark::kMillisecond);
 
 /// The same for what steps across a landscape bring, whose input order is good already.
 void BM_tour_of_landscape(benchmark::State& state) {

@@ -26,6 +26,7 @@
 #include "preprocess/import.h"
 #include "raster/shade.h"
 #include "raster/visibility.h"
+#include "runtime/calibration_scene.h"
 
 namespace {
 
@@ -203,32 +204,8 @@ void BM_Foliage(benchmark::State& state) {
 // --- Loading beside drawing ------------------------------------------------------------------------------------------
 
 /// A square of hilly ground with its own texture: 968 triangles.
-Mesh node_mesh(uint32_t column, uint32_t row) {
-  constexpr uint32_t kCells = 22;
-  Mesh mesh;
-  for (uint32_t y = 0; y <= kCells; ++y)
-    for (uint32_t x = 0; x <= kCells; ++x) {
-      const float u = float(x) / kCells, v = float(y) / kCells;
-      const float px = (float(column) + u) * 20, py = (float(row) + v) * 20;
-      mesh.positions.emplace_back(px, py, 6 * std::sin(px * 0.11F) * std::cos(py * 0.13F) + std::sin(px * py * 0.05F));
-      mesh.texcoords.emplace_back(u, v);
-    }
-  for (uint32_t y = 0; y < kCells; ++y)
-    for (uint32_t x = 0; x < kCells; ++x) {
-      const uint32_t a = y * (kCells + 1) + x, b = a + kCells + 1;
-      for (const uint32_t i : {a, a + 1, b + 1, a, b + 1, b}) mesh.indices.push_back(i);
-    }
-  return mesh;
-}
-
-Image node_picture() {
-  Image image;
-  image.width = image.height = 512;
-  for (uint32_t y = 0; y < 512; ++y)
-    for (uint32_t x = 0; x < 512; ++x)
-      image.pixels.emplace_back(uint8_t(90 + x % 64), uint8_t(120 + y % 64), uint8_t(80 + (x ^ y) % 64), uint8_t(255));
-  return image;
-}
+Mesh node_mesh(uint32_t column, uint32_t row) { return hilly_square(column, row, 22, 1); }
+Image node_picture() { return striped_picture(512); }
 
 void BM_Prepare(benchmark::State& state) {
   const Mesh mesh = node_mesh(3, 4);

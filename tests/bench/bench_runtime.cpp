@@ -18,6 +18,7 @@
 #include "runtime/cpu_renderer.h"
 #include "runtime/fades.h"
 #include "runtime/gl_renderer.h"
+#include "runtime/posed_model.h"
 #include "runtime/session.h"
 #include "tests/runtime/forest.h"
 
@@ -37,6 +38,37 @@ SelectView from_the_street() {
   view.camera = {{{0, 0, 2}, 0, 0, 0}, kWidthPx, kHeightPx, 60, 0.1};
   return view;
 }
+
+/// What a frame takes for things that move: boxes and matrices. range: how many.
+void BM_Pose(benchmark::State& state) {
+  forest::Forest street;
+  ModelObjects& objects = street.edit().objects;
+  constexpr uint32_t kKeys = 30;
+  for (uint32_t i = 0; i < static_cast<uint32_t>(state.range(0)); ++i) {
+    const NodeId root = street.root({{0, 0, 0}, {100, 100, 2}}, 0);
+    AnimationJoint joint;
+    joint.tracks[AnimationJoint::kTranslation] = static_cast<uint32_t>(objects.animation.tracks.size());
+    const auto first_time = static_cast<uint32_t>(objects.animation.times.size()),
+               first_value = static_cast<uint32_t>(objects.animation.values.size());
+    for (uint32_t k = 0; k < kKeys; ++k) {
+      objects.animation.times.push_back(float(k));
+      for (uint32_t c = 0; c < 3; ++c) objects.animation.values.push_back(float((k * 7 + c * 11 + i) % 98));
+    }
+    objects.animation.tracks.push_back({AnimationTrack::Way::linear, 3, first_time, first_value, kKeys, kKeys - 1});
+    objects.animation.joints.push_back(joint);
+    objects.moving.push_back({i, root, glm::dmat4(1)});
+    objects.moving_nodes.push_back({i, {{0, 0, 0}, {2, 2, 2}}});
+  }
+  PosedModel posed(street.model());
+  double time_s = 0;
+  for (auto _ : state) {
+    posed.set_time(time_s += 0.033);
+    benchmark::DoNotOptimize(posed.now().tables.nodes.data());
+  }
+  state.counters["objects_per_s"] =
+      benchmark::Counter(double(state.range(0)), benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(BM_Pose)->Arg(100)->Arg(10000)->Unit(benchmark::kMicrosecond);
 
 /// range: depth, policy.
 void BM_Select(benchmark::State& state) {

@@ -9,22 +9,13 @@
 
 namespace promenade {
 
-ProgramRun run_program(const std::string& words, const std::filesystem::path& folder) {
+ProgramRun run_program(const std::string& words, const std::filesystem::path& folder, const std::string& environment) {
   const std::filesystem::path out = folder / ".stdout", err = folder / ".stderr";
-  const std::string command = "cd '" + folder.string() + "' && timeout 120 " PROMENADE_PROGRAM " " + words + " >'" +
-                              out.string() + "' 2>'" + err.string() + "' </dev/null";
+  const std::string command = "cd '" + folder.string() + "' && timeout 120 env " + environment +
+                              " " PROMENADE_PROGRAM " " + words + " >'" + out.string() + "' 2>'" + err.string() +
+                              "' </dev/null";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
-}
-
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "promenade_test_XXXXXX").string();
-  path_ = mkdtemp(pattern.data());
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
 }
 
 void write_text(const std::filesystem::path& path, const std::string& text) {

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/temporary_folder.h"
+
 namespace promenade {
 
 struct ProgramRun {
@@ -11,21 +13,9 @@ struct ProgramRun {
   std::string out, err;
 };
 
-/// Runs the program with shell words, in `folder`; bounded in time.
-ProgramRun run_program(const std::string& words, const std::filesystem::path& folder);
-
-/// A new empty folder that goes when the object does.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+/// Runs the program with shell words, in `folder`; bounded in time. environment: "NAME=value ..." besides the test's.
+ProgramRun run_program(const std::string& words, const std::filesystem::path& folder,
+                       const std::string& environment = "");
 
 void write_text(const std::filesystem::path& path, const std::string& text);
 std::string read_text(const std::filesystem::path& path);

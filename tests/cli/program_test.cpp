@@ -149,13 +149,40 @@ TEST_F(SmallCity, study_policies_compares_them_on_one_path) {
   EXPECT_EQ(run_program("study policies city.prom --path city_walk.json --policies best", folder()).exit_code, 2);
 }
 
+TEST_F(SmallCity, study_hiders_compares_chains_by_size_of_cell) {
+  const ProgramRun run = run_program(
+      "study hiders city.prom --cells 2 --views 12 --side 2,6 --hiders none --hiders horizon --picture plan.png "
+      "--report hiders.html --json hiders.json",
+      folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "hiders.json");
+  ASSERT_EQ(figures["studies"].size(), 2U) << "a side each";
+  EXPECT_EQ(figures["studies"][1]["side_m"], 6);
+  for (const json& study : figures["studies"]) {
+    ASSERT_EQ(study["chains"].size(), 2U);
+    EXPECT_EQ(study["cells"], 2) << "sums start anew with each side";
+    EXPECT_EQ(study["chains"][0]["hidden_share"], 0) << "no hider hides nothing";
+    EXPECT_GT(study["chains"][1]["hidden_share"], 0);
+    EXPECT_LE(study["chains"][1]["overestimate_ratio_mean"], study["chains"][0]["overestimate_ratio_mean"]);
+    EXPECT_GE(study["chains"][1]["overestimate_ratio_mean"], 1);
+  }
+  EXPECT_EQ(figures["chains"], figures["studies"][0]["chains"]) << "the contract's names tell of the first";
+  EXPECT_TRUE(fs::exists(folder() / "plan.png"));
+  const std::string page = read_text(folder() / "hiders.html");
+  for (const char* text : {"</html>", "Cost by size of cell, city", "Quality by size of cell, city", ">6 m</text>"})
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+}
+
 TEST_F(SmallCity, flight_becomes_a_video_or_says_what_is_missing) {
   const std::string fly = "fly city.prom --path city_walk.json --seconds 0.3 --size 161x91 --renderer cpu --video ";
   const ProgramRun run = run_program(fly + "walk.mp4", folder());
-  if (run.err.find("no ffmpeg") != std::string::npos) GTEST_SKIP() << "no ffmpeg here";
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_GT(fs::file_size(folder() / "walk.mp4"), 1000U);
-  EXPECT_NE(run_program(fly + "walk.nothing", folder()).exit_code, 0) << "no such kind of video";
+  EXPECT_EQ(run_program(fly + "walk.nothing", folder()).exit_code, 1) << "no such kind of video";
+  expect_one_clear_line(run_program(fly + "none.mp4", folder(), "PATH=/nowhere"), "\"ffmpeg\"");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder()))
+    EXPECT_TRUE(entry.path().stem() == "walk" || !entry.path().string().ends_with(".mp4")) << entry.path();
+  EXPECT_FALSE(fs::exists(folder() / "walk.nothing"));
 }
 
 TEST_F(SmallCity, looks_the_same_from_the_model_at_full_detail_and_from_the_source) {
@@ -247,10 +274,13 @@ TEST_F(SmallCity, table_1_is_made_of_as_many_columns_as_asked_for) {
   ASSERT_EQ(figures["table"].size(), 3U);
   for (const json& row : figures["table"]) {
     EXPECT_EQ(row["generated"].get<bool>(), row["columns"] > figures["nodes"]);
-    EXPECT_LE(row["runs"], row["runs_seed"]);
-    EXPECT_LE(row["runs"], row["runs_shuffled"]);
-    if (row["runs_lower_bound"] > 0) {
-      EXPECT_LE(row["runs_lower_bound"], row["runs"]);
+    for (const char* seed : {"greedy", "from_bisection"}) {
+      const json& tour = row[seed];
+      EXPECT_LE(tour["runs"], tour["runs_seed"]) << seed;
+      EXPECT_LE(tour["runs"], row["runs_shuffled"]) << seed;
+      if (row["runs_lower_bound"] > 0) {
+        EXPECT_LE(row["runs_lower_bound"], tour["runs"]) << seed;
+      }
     }
   }
   EXPECT_NE(run.out.find("| 3000"), std::string::npos);

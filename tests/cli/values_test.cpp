@@ -29,6 +29,15 @@ TEST(ParsePose, takes_five_numbers_or_six) {
     EXPECT_FALSE(parse_pose(bad).ok()) << bad;
 }
 
+TEST(ParseWeight, takes_a_name_and_a_part) {
+  EXPECT_EQ(parse_weight("chair=0.25")->first, "chair");
+  EXPECT_EQ(parse_weight("chair=0.25")->second, 0.25);
+  EXPECT_EQ(parse_weight("a=b=1")->first, "a=b");
+  EXPECT_EQ(parse_weight("=0")->first, "") << "what has no class";
+  for (const char* bad : {"", "chair", "chair=", "chair=2", "chair=-0.1", "chair=nan", "chair=0.5x"})
+    EXPECT_FALSE(parse_weight(bad).ok()) << bad;
+}
+
 TEST(LinePlot, escapes_names_and_survives_gaps_and_nothing) {
   const std::string svg = line_plot({{"a<b", {1, 2, std::numeric_limits<double>::quiet_NaN(), 4}}, {"c", {}}},
                                     {.title = "t&t", .y_label = "ms", .lines = {}});

@@ -114,15 +114,15 @@ TEST(HalvedGrid, refined_keeps_the_bounds_everywhere_and_planes_whole) {
     plane[i] = 3 + 0.25F * x - 0.5F * y;
     step[i] = 0.7F * x + 0.4F * y > 13 ? 5.0F : std::sin(x * 0.3F);
   }
-  const float kTolerance = 0.1F;
+  const float tolerance = 0.1F;
   for (const std::vector<float>* value : {&plane, &step}) {
     for (uint32_t i = 0; i < grid.vertices(); ++i)
-      low[i] = (*value)[i] - kTolerance, high[i] = (*value)[i] + kTolerance;
+      low[i] = (*value)[i] - tolerance, high[i] = (*value)[i] + tolerance;
     std::vector<uint8_t> kept(grid.vertices(), 0);
     refine_halvings(grid, *value, low, high, kept);
     expect_tiling(grid, kept);
     const std::vector<float> got = drawn(grid, kept, *value);
-    for (uint32_t i = 0; i < grid.vertices(); ++i) EXPECT_NEAR(got[i], (*value)[i], kTolerance * 1.001F);
+    for (uint32_t i = 0; i < grid.vertices(); ++i) EXPECT_NEAR(got[i], (*value)[i], tolerance * 1.001F);
     const size_t count = triangles_of(grid, kept).size();
     if (value == &plane)
       EXPECT_EQ(count, 2U);

@@ -46,5 +46,19 @@ TEST(CameraPath, refuses_bad_text_and_says_where) {
   }
 }
 
+TEST(StopsAlong, stands_at_places_of_the_whole_path) {
+  CameraPath path;
+  path.fps = 10;
+  path.keys = {{5, {{0, 0, 0}, 0, 0}}, {15, {{100, 0, 0}, 0, 0}}};
+  const CameraPath stops = stops_along(path, 2, 6);
+  ASSERT_EQ(stops.frame_count(), 60U);
+  for (uint32_t frame = 0; frame < 60; ++frame)
+    EXPECT_DOUBLE_EQ(pose_of_frame(stops, frame).eye.x, frame < 20 ? 0 : frame < 40 ? 50 : 100) << frame;
+  EXPECT_EQ(stops_along(path, 1e-9, 1).frame_count(), 10U) << "a frame each";
+  EXPECT_EQ(stops_along(path, 2, 0).frame_count(), 100U) << "as long as the path";
+  EXPECT_EQ(stops_along(path, 1e9, 0).keys.front().pose.eye.x, 0) << "one place";
+  EXPECT_TRUE(stops_along({}, 1, 1).keys.empty());
+}
+
 }  // namespace
 }  // namespace promenade

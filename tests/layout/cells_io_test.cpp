@@ -4,11 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "codec/frame.h"
+#include "layout/cell_faces.h"
 #include "layout/cells_codec.h"
 #include "layout/model_io.h"
 #include "tests/layout/cell_fixtures.h"
 #include "tests/layout/model_fixtures.h"
-#include "tests/layout/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
 namespace {
@@ -110,6 +111,56 @@ TEST_F(CellsIo, every_changed_byte_is_an_error) {
     }
     whole[i] ^= std::byte{0x10};
   }
+}
+
+TEST_F(CellsIo, faces_that_follow_from_the_boxes_take_no_bytes_and_others_come_back) {
+  CellsFile file{kOwner, three_cells(), {1, 1, 1}, {{312, 1, 3, 0}}};
+  ASSERT_TRUE(faces_follow(file.tables));
+  const auto back = [](const CellsFile& f) {
+    const EncodedCells encoded = encode_cells(f, 320);
+    const Result<CellsFile> read = decode_cells(encoded.header, encoded.sections, 320 + encoded.sections.size());
+    EXPECT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->tables.faces, f.tables.faces);
+    EXPECT_EQ(read->tables.portals, f.tables.portals);
+    EXPECT_EQ(read->tables.cells, f.tables.cells);
+    return encoded.sections.size();
+  };
+  const size_t without = back(file);
+  file.tables.portals[1].max.z = 1;  // a low window
+  ASSERT_FALSE(faces_follow(file.tables));
+  EXPECT_GT(back(file), without);
+}
+
+TEST_F(CellsIo, more_neighbours_than_cells_have_are_refused) {
+  // Two hundred slabs under two hundred that cross them: each touches each.
+  constexpr uint32_t kSlabs = 200;
+  CellTables tables;
+  tables.bound = one_pixel();
+  tables.box = {{0, 0, 0}, {kSlabs, kSlabs, 2}};
+  tables.tree = {{2, 1, 1, 2}, {}, {}};
+  for (const uint32_t side : {0U, 1U}) {
+    uint32_t at = 1 + side;
+    for (uint32_t i = 0; i < kSlabs; ++i) {
+      Box box = tables.box;
+      const int axis = int(side);
+      box.min[axis] = float(i), box.max[axis] = float(i + 1);
+      box.min.z = float(side), box.max.z = float(side + 1);
+      const auto cell = static_cast<uint32_t>(tables.cells.size()), next = static_cast<uint32_t>(tables.tree.size());
+      tables.cells.push_back({box});
+      if (i + 1 == kSlabs) {
+        tables.tree[at] = {CellTreeNode::kLeaf, 0, cell, 0};
+        break;
+      }
+      tables.tree[at] = {side, float(i + 1), next, next + 1};
+      tables.tree.push_back({CellTreeNode::kLeaf, 0, cell, 0});
+      tables.tree.emplace_back();
+      at = next + 1;
+    }
+  }
+  ASSERT_THAT(find_defect(tables), IsEmpty());
+  const Status found = find_faces(tables);
+  ASSERT_FALSE(found);
+  EXPECT_THAT(found.error().message, HasSubstr("too many neighbours"));
 }
 
 TEST_F(CellsIo, trailing_byte_is_an_error) {

@@ -8,7 +8,7 @@
 
 #include "layout/model_io.h"
 #include "tests/layout/model_fixtures.h"
-#include "tests/layout/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "tests/layout/faulty_file_system.h"
-#include "tests/layout/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
 namespace {

@@ -79,7 +79,7 @@ TEST(ParseManifest, says_which_field_is_wrong) {
   EXPECT_EQ(message_of(changed("0.0.1", "0.0.2")), "parsed");
   EXPECT_THAT(message_of("{}"), HasSubstr("\"format\" is not"));
   EXPECT_THAT(message_of("[1]"), HasSubstr("no JSON object"));
-  EXPECT_THAT(message_of(changed("\"version\": 1", "\"version\": 2")), HasSubstr("version 2 of the model's format"));
+  EXPECT_THAT(message_of(changed("\"version\": 1", "\"version\": 3")), HasSubstr("version 3 of the model's format"));
   EXPECT_THAT(message_of(changed("\"notes\"", "\"motes\"")), HasSubstr("\"notes\" is missing"));
   EXPECT_THAT(message_of(changed("\"0.0.1\"", "1")), HasSubstr("\"tool_version\" is number"));
   EXPECT_THAT(message_of(changed("500000.1", "\"x\"")), HasSubstr("\"origin_m\""));

@@ -99,7 +99,7 @@ inline Status write_squares(const std::filesystem::path& path, FileSystem& files
 
 /// Segments and files that fit root_and_two_leaves without any bytes on disk.
 inline Model model_of_squares() {
-  Model model{manifest_of_squares(), root_and_two_leaves()};
+  Model model{manifest_of_squares(), root_and_two_leaves(), {}};
   model.manifest.files = {{"geometry.bin", 300}, {"textures.bin", 100}, {"tables.bin", 900}};
   for (uint32_t i = 0; i < 3; ++i)
     model.tables.segments.push_back({SegmentRecord::Type::mesh, 0, 100 * i, 100, 0x1111111111111111U * (i + 1)});

@@ -7,7 +7,7 @@
 
 #include "tests/layout/faulty_file_system.h"
 #include "tests/layout/model_fixtures.h"
-#include "tests/layout/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
 namespace {

@@ -100,12 +100,14 @@ TEST(Tour, finds_a_hidden_order) {
   for (const uint32_t seed : {1U, 2U, 3U}) {
     const Incidence matrix = hidden_runs(500, 2000, seed);
     const uint64_t input = make_order("input", {&matrix, {}}).runs;
-    const MadeOrder tour = make_order("tour", {&matrix, {}});
-    EXPECT_LT(tour.runs, 2050U) << "the best has a run a row: 2000";
-    EXPECT_GT(input, 6 * tour.runs);
     const uint64_t bound = lower_bound_of_runs(matrix);
-    EXPECT_LE(bound, tour.runs);
     EXPECT_GT(bound, 1900U);
+    for (const std::string_view name : {"greedy-tour", "tour"}) {
+      const MadeOrder tour = make_order(name, {&matrix, {}});
+      EXPECT_LT(tour.runs, 2050U) << name << ": the best has a run a row: 2000";
+      EXPECT_GT(input, 6 * tour.runs) << name;
+      EXPECT_LE(bound, tour.runs) << name;
+    }
   }
 }
 
@@ -113,7 +115,10 @@ TEST(Tour, is_the_same_on_any_number_of_threads) {
   const Incidence matrix = hidden_runs(3000, 4000, 4);
   const auto with_threads = [&](size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return tour_order(matrix, TourOptions());
+    ColumnOrder both = tour_order(matrix, TourOptions());
+    const ColumnOrder published = tour_order(matrix, TourOptions(TourSeed::greedy));
+    both.insert(both.end(), published.begin(), published.end());
+    return both;
   };
   EXPECT_EQ(with_threads(1), with_threads(4));
 }
@@ -132,6 +137,22 @@ TEST(Neighbours, of_parts_are_those_found_at_once) {
   EXPECT_EQ(together.first, at_once.first);
   EXPECT_EQ(together.all, at_once.all);
   EXPECT_NE(parts[0].all, at_once.all) << "or one round would do";
+}
+
+TEST(Tour, is_the_better_of_two_and_bisections_when_they_are_about_as_good) {
+  const auto runs_from = [](const Incidence& matrix, TourSeed seed) {
+    return count_runs(matrix, tour_order(matrix, TourOptions(seed)));
+  };
+  int greedy_won = 0, bisection_won = 0;
+  for (const Incidence& matrix : {hidden_runs(500, 2000, 1), hidden_runs(500, 2000, 2), hidden_runs(500, 2000, 3),
+                                  hidden_runs(600, 300, 4), landscape_steps(1000)}) {
+    const uint64_t greedy = runs_from(matrix, TourSeed::greedy), bisection = runs_from(matrix, TourSeed::bisection);
+    const bool worth = double(bisection) <= 1.03 * double(greedy);
+    ++(worth ? bisection_won : greedy_won);
+    EXPECT_EQ(runs_from(matrix, TourSeed::best), worth ? bisection : greedy);
+  }
+  EXPECT_GT(greedy_won, 0);
+  EXPECT_GT(bisection_won, 0);
 }
 
 TEST(Tour, says_what_its_source_of_neighbours_could_not_do) {

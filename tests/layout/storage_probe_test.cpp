@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/layout/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
 namespace {

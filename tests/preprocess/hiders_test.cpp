@@ -200,7 +200,7 @@ std::vector<Situation> situations() {
 
 class WhoSeesWhom : public testing::TestWithParam<Situation> {};
 
-TEST_P(WhoSeesWhom, is_as_the_situation_says) { expect_as_said(GetParam(), default_hiders()); }
+TEST_P(WhoSeesWhom, is_as_the_situation_says) { expect_as_said(GetParam(), hiders_for(CellStyle::octree)); }
 
 INSTANTIATE_TEST_SUITE_P(Hiders, WhoSeesWhom, testing::ValuesIn(situations()),
                          [](const auto& param_info) { return param_info.param.name; });
@@ -242,6 +242,29 @@ uint64_t eyes_in(const SituationModel& model, const Box& cell) {
   const Result<Looks> looks = look_from_cell(**meshes, cell, model.front(), {}, options);
   EXPECT_TRUE(looks.ok());
   return looks.ok() ? looks->eyes : 0;
+}
+
+TEST(Audit, tells_slits_of_rounded_vertices_from_what_is_truly_seen) {
+  const auto verdict = [](float wide) {
+    const SituationModel model({{"left", wall(8, -30, 8.1F, -wide / 2)},
+                                {"right", wall(8, wide / 2, 8.1F, 30)},
+                                {"thing", block({12, -20, 0}, {13, 20, 9})}});
+    const Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(model.reader(), 1U << 28U);
+    EXPECT_TRUE(meshes.ok());
+    const std::vector<NodeId> front = model.front();
+    const std::vector<uint8_t> hidden = {0, 0, 1};
+    LookOptions options;
+    options.aimed_views = 200;
+    const Result<Looks> looks = look_from_cell(**meshes, middle_cell, front, hidden, options);
+    EXPECT_TRUE(looks.ok());
+    EXPECT_EQ(looks->missed.size(), judge(model.reader().model(), front, hidden, *looks).missed_nodes);
+    return judge(model.reader().model(), front, hidden, *looks);
+  };
+  const CellVerdict slit = verdict(0.0009F), hole = verdict(0.006F);
+  EXPECT_GT(slit.slit_pixels, 0U);
+  EXPECT_EQ(slit.missed_nodes, 0U);
+  EXPECT_GT(hole.false_hidden_pixels, 0U);
+  EXPECT_EQ(hole.missed_nodes, 1U);
 }
 
 TEST(Audit, refuses_eyes_in_a_tower_on_a_podium) {
@@ -304,7 +327,10 @@ TEST(Hiders, what_is_hidden_already_stays_hidden) {
 TEST(Hiders, chains_are_parsed_and_unknown_names_refused) {
   EXPECT_THAT(*parse_hiders("backface,horizon"), testing::ElementsAre("backface", "horizon"));
   EXPECT_TRUE(parse_hiders("none")->empty());
-  for (const std::string wrong : {"portals of doom", "horizon,horizon", "horizon,", ",", "Horizon"})
+  EXPECT_THAT(resolved_hiders(*parse_hiders("auto"), CellStyle::octree), testing::ElementsAre("backface", "horizon"));
+  EXPECT_THAT(resolved_hiders(*parse_hiders("auto"), CellStyle::kd), testing::ElementsAre("backface", "portals"));
+  EXPECT_THAT(resolved_hiders(*parse_hiders("portals"), CellStyle::octree), testing::ElementsAre("portals"));
+  for (const std::string wrong : {"portals of doom", "horizon,horizon", "horizon,", ",", "Horizon", "auto,horizon"})
     EXPECT_FALSE(parse_hiders(wrong).ok()) << wrong;
   EXPECT_THAT(parse_hiders("shadow").error().message, HasSubstr("backface, horizon, portals, sampled"));
 }

@@ -11,28 +11,6 @@ namespace promenade {
 
 namespace fs = std::filesystem;
 
-TemporaryFolder::TemporaryFolder() {
-  static std::atomic<int> next{0};
-  // Memory where there is some: thousands of mutated files are written.
-  const fs::path memory = "/dev/shm";
-  std::error_code ignored;
-  const fs::path base = fs::is_directory(memory, ignored) ? memory : fs::temp_directory_path();
-  path_ = base / fmt::format("promenade_import_{}_{}", getpid(), next++);
-  fs::create_directories(path_);
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-fs::path TemporaryFolder::write(const std::string& name, std::string_view bytes) const {
-  const fs::path path = path_ / name;
-  fs::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  return path;
-}
-
 Result<Scene> import_file(const fs::path& path, const ImportOptions& options) {
   JobMonitor monitor;
   return import_part({path, path.filename().string(), 0}, options, monitor);

@@ -10,23 +10,9 @@
 #include <vector>
 
 #include "preprocess/import.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
-
-/// A folder of its own for one test, removed with it.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder();
-  const std::filesystem::path& path() const { return path_; }
-  /// Writes a file into it, folders made.
-  std::filesystem::path write(const std::string& name, std::string_view bytes) const;
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Imports bytes as a file of this name.
 Result<Scene> import_bytes(const std::string& name, std::string_view bytes, const ImportOptions& options = {});

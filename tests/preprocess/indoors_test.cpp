@@ -142,6 +142,19 @@ std::vector<Situation> holes() {
         {}, {"opposite"});
   rooms("wall_a_millimetre_off", together(block({4, 0, 0}, {4.2F, 2, 3}), block({4.001F, 2, 0}, {4.201F, 4, 3})),
         {opposite, beside}, {"opposite", "beside"}, {});
+  // Up to shoulder height the partition makes a plane to divide space along; above it there is nothing but the poster.
+  const auto poster = [&](const std::string& name, float off) {
+    rooms(name, wall_across_x(4, {}, 0, 4, 1.9F),
+          {{"poster", sheet({4 + off, 3, 2}, {4 + off, 1, 2}, {4 + off, 1, 2.8F}, {4 + off, 3, 2.8F})}}, {},
+          {"poster"});
+  };
+  poster("poster_in_the_plane_of_a_partition", 0);
+  poster("poster_three_millimetres_before_the_plane_of_a_partition", -0.003F);
+  poster("poster_three_millimetres_behind_the_plane_of_a_partition", 0.003F);
+  poster("poster_a_centimetre_behind_the_plane_of_a_partition", 0.01F);
+  // Its front is seen from a little behind the plane of its nearest corner.
+  rooms("poster_half_a_degree_askew", wall_across_x(4, {}, 0, 4, 1.9F),
+        {{"poster", sheet({3.997F, 1, 2}, {4, 0.66F, 2}, {4, 0.66F, 2.8F}, {3.997F, 1, 2.8F})}}, {}, {"poster"});
   const auto between = [](uint32_t material, bool to_the_right) {
     return to_the_right ? sheet({4, 0, 0}, {4, 4, 0}, {4, 4, 3}, {4, 0, 3}, material)
                         : sheet({4, 4, 0}, {4, 0, 0}, {4, 0, 3}, {4, 4, 3}, material);

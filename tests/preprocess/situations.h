@@ -9,8 +9,8 @@
 
 #include "codec/geometry_codec.h"
 #include "layout/model_io.h"
-#include "tests/layout/temporary_folder.h"
 #include "tests/preprocess/surfaces.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
 

@@ -6,6 +6,7 @@
 #include <random>
 #include <set>
 
+#include "layout/cell_faces.h"
 #include "tests/layout/cell_fixtures.h"
 
 namespace promenade {
@@ -49,7 +50,9 @@ TEST(TablesOf, are_sound_and_find_every_neighbour) {
   for (uint32_t seed = 0; seed < 20; ++seed) {
     const CellPlan plan = random_plan(seed, 40);
     std::vector<uint32_t> leaves;
-    const CellTables tables = tables_of(plan, one_pixel(), leaves);
+    CellTables tables = tables_of(plan, one_pixel(), leaves);
+    ASSERT_TRUE(find_faces(tables));
+    ASSERT_TRUE(faces_follow(tables));
     ASSERT_THAT(find_defect(tables), IsEmpty());
     ASSERT_EQ(leaves.size(), tables.cells.size());
     std::set<std::pair<uint32_t, uint32_t>> found, due;
@@ -81,6 +84,22 @@ TEST(TablesOf, cells_are_the_leaves_that_somebody_may_stand_in) {
     EXPECT_EQ(tables.cells[i].box, plan.box_of(leaves[i]));
     EXPECT_EQ(cell_at(tables, tables.cells[i].box.center()), CellId{i});
   }
+}
+
+TEST(TablesOf, two_halves_join_when_they_fill_a_box) {
+  CellPlan plan({{0, 0, 0}, {4, 2, 2}});
+  plan.split(CellPlan::kRoot, 0, 1);
+  const uint32_t low = plan.below(CellPlan::kRoot), high = plan.above(CellPlan::kRoot);
+  EXPECT_TRUE(plan.is_dead(CellPlan::kRoot));
+  plan.set_cell(low, plan.box_of(low));
+  EXPECT_FALSE(plan.is_dead(CellPlan::kRoot));
+  EXPECT_TRUE(plan.joined_cells(CellPlan::kRoot).empty()) << "the other half is dead";
+  plan.set_cell(high, {{1, 0, 1}, {4, 2, 2}});
+  EXPECT_TRUE(plan.joined_cells(CellPlan::kRoot).empty()) << "the other cell is lower";
+  plan.set_cell(high, plan.box_of(high));
+  EXPECT_EQ(plan.joined_cells(CellPlan::kRoot), plan.box_of(CellPlan::kRoot));
+  plan.split(low, 1, 1);
+  EXPECT_TRUE(plan.joined_cells(CellPlan::kRoot).empty()) << "no leaf";
 }
 
 TEST(TablesOf, a_plan_without_cells_has_none) {

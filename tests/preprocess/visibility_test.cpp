@@ -94,7 +94,11 @@ class Seen : public testing::Test {
     Result<WorkFolder> work = WorkFolder::open(folder.path() / "work", real_file_system());
     const tbb::global_control most(tbb::global_control::max_allowed_parallelism, 4);
     tbb::task_arena arena(threads);
-    return arena.execute([&] { return compute_visibility(*reader, hiders, options, 7, *work, monitor); });
+    return arena.execute([&]() -> Result<Visibility> {
+      const Result<ViewSpace> space = survey_view_space(*reader, options, monitor);
+      if (!space) return space.error();
+      return compute_visibility(*reader, *space, hiders, options, 7, *work, monitor);
+    });
   }
 
   TemporaryFolder folder;
@@ -340,6 +344,13 @@ TEST_F(BuildWithCells, leaves_a_model_whose_cells_open) {
   EXPECT_EQ(reader->cells()->tables().cells.size(), figures->visibility.cells);
   EXPECT_GT(figures->bytes_by_part.at("cells"), 0U);
   EXPECT_TRUE(verify_checksums(*reader, monitor));
+}
+
+TEST_F(BuildWithCells, halves_from_which_the_same_is_seen_are_one_cell) {
+  options.sources = {folder.write("plate.obj", obj_text(test::flat_grid(2, 9)))};
+  const Result<BuildFigures> figures = build_model(options, monitor);
+  ASSERT_TRUE(figures) << figures.error().message;
+  EXPECT_EQ(figures->visibility.cells, 1U);
 }
 
 TEST_F(BuildWithCells, goes_on_after_an_interruption_and_gives_the_same_bytes) {

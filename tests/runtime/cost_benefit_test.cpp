@@ -4,23 +4,20 @@
 #include <random>
 
 #include "runtime/benefit.h"
-#include "runtime/policy.h"
-#include "tests/runtime/forest.h"
-#include "tests/runtime/scenes.h"
+#include "tests/runtime/chooser.h"
 
 namespace promenade {
 namespace {
 
 using forest::Forest;
+using scenes::ahead_pose;
 using testing::ElementsAre, testing::UnorderedElementsAre;
 
-const Box ahead_pose{{10, -8, -1}, {10.5F, 8, 1}};
 constexpr double kMsPerCost = 1e-3;  // cost 500 for 1000 triangles: half a millisecond a node
 
-/// All resident, with v_time for a clock.
-struct Optimising {
-  explicit Optimising(const Forest& f) : source(f), resident(f.model().tables.nodes.size(), 1) {
-    view.camera = scenes::looking_along_x();
+/// With v_time for a clock.
+struct Optimising : scenes::Chooser {
+  explicit Optimising(const Forest& f) : Chooser(f) {
     options.policy = Policy::cost_benefit;
     options.pixel_error = 0;
     options.benefit.hysteresis_weight = 0;
@@ -28,8 +25,7 @@ struct Optimising {
   }
   const Selection& operator()(double target_ms) {
     options.time.target_ms = target_ms;
-    select(source.model(), view, resident, options, state, selection);
-    return selection;
+    return Chooser::operator()();
   }
   double benefit_of(NodeId id) const {
     const Sight sight(source.model(), view, options);
@@ -40,13 +36,6 @@ struct Optimising {
     for (const NodeId id : selection.front) sum += benefit_of(id);
     return sum;
   }
-
-  const Forest& source;
-  std::vector<uint8_t> resident;
-  SelectView view;
-  SelectOptions options;
-  SelectState state;
-  Selection selection;
 };
 
 struct Value {

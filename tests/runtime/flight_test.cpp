@@ -79,6 +79,7 @@ TEST(Flight, every_policy_flies_with_and_without_a_thread) {
   JobMonitor monitor;
   for (const Policy policy : all_policies())
     for (const bool thread : {false, true}) {
+      if (uses_far(policy)) continue;  // far_test.cpp: only in models with far pictures
       NullRenderer renderer;
       FlightOptions options = stepped(policy);
       options.session.loader_thread = thread;
@@ -187,6 +188,52 @@ TEST(Flight, totals_are_nearest_rank_and_population) {
   EXPECT_NEAR(totals.frame_ms_stddev, 35.3553, 1e-3);
   EXPECT_EQ(totals.toggles_per_frame, 1.5);
   EXPECT_EQ(totals.stalls, 1U);
+}
+
+std::vector<FrameRow> rows_of(const std::vector<std::pair<double, uint64_t>>& moved_and_missing) {
+  std::vector<FrameRow> rows;
+  for (const auto& [moved_m, missing] : moved_and_missing) {
+    FrameRow& row = rows.emplace_back();
+    row.t_s = double(rows.size()) * 0.1;
+    row.moved_m = moved_m, row.nodes_missing = missing;
+  }
+  return rows;
+}
+
+TEST(Teleports, last_until_nothing_is_missing) {
+  const std::vector<FrameRow> rows = rows_of({{0, 9}, {20, 9}, {31, 9}, {0, 4}, {0, 0}, {0, 3}, {500, 0}, {500, 1}});
+  const Teleports found = teleports_of(rows);
+  EXPECT_EQ(found.count, 3U) << "31 m in a tenth of a second is a jump, 20 are none";
+  EXPECT_EQ(found.unfinished, 1U);
+  EXPECT_NEAR(found.full_ms_mean, 100, 1e-9) << "200 ms and none";
+  EXPECT_NEAR(found.full_ms_max, 200, 1e-9);
+}
+
+TEST(Teleports, cut_off_by_the_next_one_are_unfinished) {
+  std::vector<FrameRow> rows = rows_of({{0, 0}, {90, 1}, {90, 1}, {0, 0}});
+  rows[3].vlod_missing = true;
+  EXPECT_EQ(teleports_of(rows).unfinished, 2U);
+  rows[3].vlod_missing = false;
+  EXPECT_EQ(teleports_of(rows).unfinished, 1U);
+  EXPECT_EQ(teleports_of({}).count, 0U);
+}
+
+TEST(Flight, a_jump_is_no_speed_and_is_shown_in_the_next_frame) {
+  const Wood wood;
+  NullRenderer renderer;
+  JobMonitor monitor;
+  CameraPath path = standing();
+  for (CameraPath::Key& key : path.keys) key.pose.eye.x = -1e5;
+  path.keys[0].pose.eye.x = 0;
+  path.keys.insert(path.keys.begin() + 1, {0.9, path.keys[0].pose});
+  path.keys[1].t_s = 0.9;
+  path.keys.insert(path.keys.begin() + 2, {1.0, path.keys.back().pose});
+  const auto nothing = [](const FrameRow&, Renderer&) -> Status { return Done{}; };
+  const Result<FlightReport> report = fly(wood, renderer, path, stepped(Policy::vlod_time_slices), nothing, monitor);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->totals.teleports.count, 1U);
+  EXPECT_EQ(report->totals.teleports.unfinished, 0U);
+  EXPECT_GT(report->rows[10].moved_m, 9e4);
 }
 
 TEST(Flight, empty_path_and_model_are_refused) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <tuple>
 
 #include "tests/runtime/forest.h"
 #include "tests/runtime/null_renderer.h"
@@ -19,10 +20,11 @@ constexpr uint64_t kPlenty = uint64_t(1) << 30;
 
 /// A resident set with its loader, stepped by hand.
 struct Bench {
-  Bench(const Forest& f, uint64_t memory_bytes, uint64_t piece_bytes = 400, double margin = 0) : source(f) {
+  Bench(const Forest& f, uint64_t memory_bytes, uint64_t piece_bytes = 400, double margin = 0, double along_share = 0)
+      : source(f) {
     options.memory_bytes = memory_bytes;
     options.piece_bytes = piece_bytes;
-    set = std::make_unique<ResidentSet>(source, renderer, memory_bytes, 0, margin);
+    set = std::make_unique<ResidentSet>(source, renderer, memory_bytes, 0, margin, along_share);
     loader = std::make_unique<Loader>(source, renderer, *set, nullptr, options);
   }
   ~Bench() {
@@ -91,6 +93,64 @@ TEST(Loader, loads_the_most_important_first) {
   }
   EXPECT_THAT(order, ElementsAre(model.leaves[1], model.leaves[2], model.leaves[0]));
   EXPECT_FALSE(bench.resident(model.leaves[3])) << "nobody asked for it";
+}
+
+/// Nodes in the order in which they became resident, one upload a step.
+std::vector<NodeId> loading_order(Bench& bench, const std::vector<NodeId>& nodes) {
+  std::vector<NodeId> order;
+  for (int i = 0; i < 20; ++i) {
+    bench.loader->step();
+    bench.set->begin_frame(bench.renderer);
+    bench.set->upload(bench.renderer, 1e9);
+    for (const NodeId id : nodes)
+      if (bench.resident(id) && std::find(order.begin(), order.end(), id) == order.end()) order.push_back(id);
+  }
+  return order;
+}
+
+TEST(Loader, reads_on_where_the_disk_is_what_matters_nearly_as_much) {
+  RootWithFour model;
+  const std::vector<PriorityUpdate> wanted = {{model.leaves[2], 10}, {model.leaves[0], 9}, {model.leaves[3], 5}};
+  const auto order_with = [&](double along_share, uint64_t& reads, uint64_t piece_bytes) {
+    Bench bench(model, kPlenty, piece_bytes, 0, along_share);
+    EXPECT_TRUE(bench.set->load_roots(bench.renderer));
+    bench.want(wanted);
+    std::vector<NodeId> order = loading_order(bench, model.leaves);
+    reads = bench.set->counts().reads - 1;  // the root's
+    return order;
+  };
+  const auto [a, b, c] = std::tuple(model.leaves[2], model.leaves[0], model.leaves[3]);
+  uint64_t reads = 0;
+  EXPECT_THAT(order_with(0, reads, 4096), ElementsAre(a, b, c));
+  EXPECT_EQ(reads, 3U);
+  // Behind the first lies the last, of half the other's priority: it is read in one go with the first.
+  order_with(0.5, reads, 4096);
+  EXPECT_EQ(reads, 2U);
+  order_with(0.6, reads, 4096);
+  EXPECT_EQ(reads, 3U) << "it matters too little";
+  order_with(0.5, reads, 400);
+  EXPECT_EQ(reads, 3U) << "more than a piece: something else may come up meanwhile";
+}
+
+TEST(Loader, what_lies_along_pushes_nothing_out) {
+  RootWithFour model;
+  Bench roomy(model, kPlenty, 4096, 0, 0.1);
+  ASSERT_TRUE(roomy.set->load_roots(roomy.renderer));
+  roomy.want({{model.leaves[2], 10}, {model.leaves[0], 9}, {model.leaves[3], 5}});
+  roomy.run();
+  const uint64_t all = roomy.set->memory_peak_bytes();
+  for (uint64_t bytes = all / 4; bytes < all; bytes += all / 16) {
+    Bench bench(model, bytes, 4096, 0, 0.1);
+    if (!bench.set->load_roots(bench.renderer)) continue;
+    bench.want({{model.leaves[2], 10}, {model.leaves[0], 9}, {model.leaves[3], 5}});
+    bench.run();  // checks the bound at every step
+    if (bench.resident(model.leaves[3])) {
+      EXPECT_TRUE(bench.resident(model.leaves[0])) << bytes;
+    }
+    if (bench.resident(model.leaves[0])) {
+      EXPECT_TRUE(bench.resident(model.leaves[2])) << bytes;
+    }
+  }
 }
 
 TEST(Loader, turns_to_what_became_more_important_and_resumes_later) {

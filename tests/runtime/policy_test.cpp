@@ -1,5 +1,3 @@
-#include "runtime/policy.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,36 +5,16 @@
 #include <random>
 #include <set>
 
-#include "tests/runtime/forest.h"
-#include "tests/runtime/scenes.h"
+#include "tests/runtime/chooser.h"
 
 namespace promenade {
 namespace {
 
 using forest::Forest;
+using scenes::ahead_pose, scenes::Chooser;
 using testing::ElementsAre, testing::IsEmpty, testing::UnorderedElementsAre;
 
-/// In front of the camera, 10 m away, 16 m wide: seen whole (the view is 90 degrees).
-const Box ahead_pose{{10, -8, -1}, {10.5F, 8, 1}};
 const Box behind_pose{{-10.5F, -8, -1}, {-10, 8, 1}};
-
-struct Chooser {
-  explicit Chooser(const Forest& f) : source(f), resident(f.model().tables.nodes.size(), 1) {
-    view.camera = scenes::looking_along_x();
-  }
-  const Selection& operator()() {
-    select(source.model(), view, resident, options, state, selection);
-    return selection;
-  }
-  void lack(NodeId id) { resident[index_of(id)] = 0; }
-
-  const Forest& source;
-  std::vector<uint8_t> resident;
-  SelectView view;
-  SelectOptions options;
-  SelectState state;
-  Selection selection;
-};
 
 /// A root with two children, each a leaf.
 struct OneSplit : Forest {

@@ -64,5 +64,38 @@ TEST(Popping, what_comes_into_view_is_not_compared) {
   EXPECT_EQ(popping_between(other, wall.seen_from({})).compared, 0U) << "sizes differ";
 }
 
+/// 64 x 64 pixels of a surface 10 m away: at a pixel `after` where its place in a pattern of 8 x 8 is below `share`.
+SeenFrame partly(double share, uint8_t before, uint8_t after) {
+  SeenFrame frame{scenes::looking_along_x(), {64, 64, {}}, std::vector<float>(64 * 64, 10.0F)};
+  for (uint32_t y = 0; y < 64; ++y)
+    for (uint32_t x = 0; x < 64; ++x) {
+      const double place = ((x % 8) * 8 + (y % 8)) * 37 % 64 / 64.0;  // scattered: 37 and 64 have no common factor
+      const uint8_t value = place < share ? after : before;
+      frame.color.pixels.emplace_back(value, value, value, 255);
+    }
+  return frame;
+}
+
+TEST(Popping, by_areas_a_fade_does_not_pop_where_a_switch_does) {
+  const Popping at_once = popping_between(partly(0, 100, 140), partly(1, 100, 140));
+  EXPECT_EQ(at_once.popped_area_share(), 1);
+  EXPECT_EQ(at_once.popped_share(), 1);
+  constexpr int kSteps = 9;
+  uint64_t pixels = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const Popping step =
+        popping_between(partly(i / double(kSteps), 100, 140), partly((i + 1) / double(kSteps), 100, 140));
+    EXPECT_EQ(step.popped_areas, 0U) << i;
+    pixels += step.popped;
+  }
+  EXPECT_GT(pixels, 0U) << "single pixels do not tell a fade from a switch";
+}
+
+TEST(Popping, by_areas_motion_alone_pops_nothing) {
+  Wall wall;
+  for (const Pose& to : {Pose{{0.3, 0, 0}, 0, 0, 0}, Pose{{0, 0.4, 0.1}, 0, 0, 0}, Pose{{0, 0, 0}, 3, 1, 0}})
+    EXPECT_LT(popping_between(wall.seen_from({}), wall.seen_from(to)).popped_area_share(), 0.05);
+}
+
 }  // namespace
 }  // namespace promenade

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "layout/file_io.h"
-#include "tests/layout/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace promenade {
 namespace {

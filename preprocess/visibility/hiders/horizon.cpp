@@ -33,6 +33,7 @@ class ErrorMap {
   ErrorMap(const Model& model, std::span<const NodeId> front) : errors_(size_t(kErrorGrid) * kErrorGrid, 0) {
     for (const NodeId id : front) box_.add(model.tables.nodes[index_of(id)].box);
     for (const NodeId id : front) {
+      if (model.is_moving(id)) continue;  // it stands for no occluder
       const NodeRecord& node = model.tables.nodes[index_of(id)];
       visit(node.box, [&](float& error) { error = std::max(error, node.error_m); });
     }

@@ -1,11 +1,13 @@
 #pragma once
-// A folder of its own for one test.
+// A folder of its own for one test, removed with it.
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -16,7 +18,7 @@ class TemporaryFolder {
   TemporaryFolder() {
     static int count = 0;
     path_ = std::filesystem::temp_directory_path() /
-            ("promenade_layout_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
+            ("promenade_test_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
     std::filesystem::create_directories(path_);
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
@@ -28,6 +30,14 @@ class TemporaryFolder {
 
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
   const std::filesystem::path& path() const { return path_; }
+
+  /// Writes a file into it, folders made; its path.
+  std::filesystem::path write(const std::string& name, std::string_view bytes) const {
+    const std::filesystem::path file = path_ / name;
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file, std::ios::binary) << bytes;
+    return file;
+  }
 
   /// Names of what lies in it, sorted.
   std::vector<std::string> names() const {
