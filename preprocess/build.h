@@ -10,6 +10,7 @@
 #include "geometry/job_monitor.h"
 #include "geometry/result.h"
 #include "layout/file_io.h"
+#include "preprocess/far/far_units.h"
 #include "preprocess/import.h"
 #include "preprocess/node_order.h"
 #include "preprocess/visibility/visibility.h"
@@ -32,6 +33,7 @@ struct BuildOptions {
   int jpeg_quality = 85;
   CellOptions visibility;
   NodeOrderOptions order;  ///< of meshes on disk, for a model with cells
+  FarOptions far;
 };
 
 /// What `build --json` prints, besides build_wall_s and peak_rss_bytes.
@@ -43,9 +45,10 @@ struct BuildFigures {
   uint64_t units_total = 0, units_resumed = 0;
   std::vector<std::string> hiders;                ///< of the cells' chain, in order
   VisibilityFigures visibility;                   ///< zeros without cells
+  FarFigures far;                                 ///< zeros without far pictures
   double delta_ids_mean = 0;                      ///< nodes that leave or enter across a face between cells
   double delta_bytes_mean = 0;                    ///< of the coded vLODs, a face: all deltas follow from them
-  std::map<std::string, uint64_t> bytes_by_part;  ///< "geometry", "textures", "tables", "cells", "manifest"
+  std::map<std::string, uint64_t> bytes_by_part;  ///< "geometry", "textures", "tables", "cells", "far", "manifest"
   std::map<std::string, double> stage_wall_s;     ///< "survey", "partition", "simplify", ...
   std::map<std::string, uint64_t> import_counts;
   std::vector<std::string> warnings;
