@@ -82,6 +82,10 @@ void print_totals(const FlyArguments& arguments, const FlightReport& report) {
   if (t.cells_crossed > 0)
     fmt::print("  {} cells crossed, {:.0f} nodes and {:.0f} bytes a step, {} frames before a cell's vLOD was read\n",
                t.cells_crossed, t.delta_nodes_mean, t.delta_bytes_mean, t.vlods_missing);
+  if (t.far_triangles_mean > 0)
+    fmt::print(
+        "  far pictures: {:.0f} triangles a frame, {} borders crossed, {} frames with the last cell's, {} without\n",
+        t.far_triangles_mean, t.far_crossed, t.far_late, t.far_missing);
   fmt::print("  {} of {} resident at most, {} read in {} reads, {:.0f} % of it drawn before it left\n",
              human_bytes(t.resident_bytes_peak), human_bytes(t.memory_bytes), human_bytes(t.bytes_read), t.reads,
              100 * double(t.bytes_read_useful) / std::max(1.0, double(t.bytes_read)));

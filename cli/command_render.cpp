@@ -66,6 +66,7 @@ Status render_model(const RenderArguments& arguments, const std::vector<Camera>&
                     {"triangles_drawn", row->triangles_drawn},
                     {"nodes_drawn", row->nodes_drawn},
                     {"nodes_missing", row->nodes_missing},
+                    {"far_triangles", row->far_triangles},
                     {"draw_ms", row->draw_ms}});
   }
   monitor.progress("render", cameras.size(), cameras.size());
@@ -140,6 +141,7 @@ Command add_render(CLI::App& program) {
       ->check(CLI::Number)
       ->capture_default_str();
   add_camera_options(*app, arguments->view);
+  add_far_style_option(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::static_error, uint64_t(4) << 30);
   add_renderer_options(*app, arguments->view);
   add_import_options(*app, arguments->import);

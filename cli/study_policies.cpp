@@ -72,6 +72,7 @@ Status run_study(const Arguments& arguments, JobMonitor& monitor, Json& figures)
   std::vector<PolicyFlight> flights;
   figures["policies"] = Json::array();
   for (const Policy policy : policies) {
+    if (arguments.policies.empty() && uses_far(policy) && flight->source->far() == nullptr) continue;
     Result<FlightReport> report = fly_with(policy, setting, *flight, *costs, monitor);
     if (!report) return Error{fmt::format("policy {}: {}", name_of(policy), report.error().message)};
     Json row = {{"name", name_of(policy)}};

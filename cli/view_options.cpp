@@ -128,6 +128,21 @@ void add_fade_option(CLI::App& app, ViewOptions& options) {
       ->capture_default_str();
 }
 
+namespace {
+
+Result<FarStyle> parse_far_style(const std::string& text) {
+  if (const std::optional<FarStyle> style = far_style_named(text)) return *style;
+  return Error{fmt::format("\"{}\" is no style: full, near or far", text)};
+}
+
+}  // namespace
+
+void add_far_style_option(CLI::App& app, ViewOptions& options) {
+  add_parsed<FarStyle>(app, "--far-style", options.session.far_style, parse_far_style,
+                       "With far pictures: full, near (geometry only) or far (pictures only)")
+      ->default_str("full");
+}
+
 void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_policy, uint64_t default_memory_bytes) {
   SelectOptions& select = options.session.select;
   LoaderOptions& loader = options.session.loader;

@@ -43,6 +43,8 @@ void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_poli
 
 /// --prefetch-s, --range-*: what is loaded beforehand.
 void add_prefetch_options(CLI::App& app, ViewOptions& options);
+/// --far-style: what policies with far pictures draw of near and far.
+void add_far_style_option(CLI::App& app, ViewOptions& options);
 /// --fade-frames: for what shows frame after frame.
 void add_fade_option(CLI::App& app, ViewOptions& options);
 

@@ -6,8 +6,8 @@
 // which grows with s while s^2 < (q - c) (p - c), and with c: outside a ball about the cube, the cube's corners see the
 // most. [xiong1996] takes the ray along an axis, where the four corners of a face have c = v / 2 and s = v / sqrt(2).
 // But a ray that turns away from one corner by a little loses nothing of c in first order and gains s in first order:
-// the worst ray has the direction (1, -e, -e) with e near 0.22, and sees (1 + e) / sqrt(1 + 2 e^2) = 1.11 times as
-// much. So `everywhere` searches all rays.
+// the worst ray has the direction (1, -e, -e) with e near 0.22, and sees (1 + e) / (1 + 2 e^2) = 1.11 times as much: s
+// grows by 1 + e over the ray's length, and so does the distance of the box's side. So `everywhere` searches all rays.
 #include "geometry/parallax.h"
 
 #include <fmt/format.h>
@@ -17,6 +17,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
+#include <limits>
 
 namespace promenade {
 namespace {
@@ -84,6 +85,31 @@ double parallax_rad(const glm::dvec3& half_m, const glm::dvec3& direction, doubl
     largest = std::max(largest, angle_between(towards(direction, drawn, eye), towards(direction, true_one, eye)));
   }
   return largest;
+}
+
+// Of the angle's tangent, s (p - q) / ((q - c) (p - c) + s^2): leaving out s^2, and with the largest c and s of all
+// eyes, it only grows, to s (1 / (q - c) - 1 / (p - c)).
+EyeReach eye_reach(const glm::dvec3& half_m, const glm::dvec3& unit_direction) {
+  const glm::dvec3 along = glm::abs(half_m * unit_direction);
+  // The corner that is least far along the ray, either way, is the farthest aside.
+  const double least = std::min({std::abs(along.x + along.y - along.z), std::abs(along.x - along.y + along.z),
+                                 std::abs(along.y + along.z - along.x), along.x + along.y + along.z});
+  return {along.x + along.y + along.z, std::sqrt(std::max(0.0, glm::dot(half_m, half_m) - least * least))};
+}
+
+double parallax_bound_rad(const EyeReach& reach, double drawn_m, double true_m) {
+  const double drawn = drawn_m - reach.along_m, true_one = true_m - reach.along_m;
+  if (!(drawn > 0 && true_one > 0)) return kPi / 2;
+  return std::atan(reach.aside_m * std::abs(1 / drawn - 1 / true_one));
+}
+
+DistanceRange drawable_range(const EyeReach& reach, double true_m, double bound_rad) {
+  const double beyond = true_m - reach.along_m;
+  if (!(beyond > 0)) return {1, 0};
+  const double slack = std::tan(bound_rad) / std::max(reach.aside_m, 1e-300);
+  const double farther = 1 / beyond - slack;
+  return {1 / (1 / beyond + slack) + reach.along_m,
+          farther > 0 ? 1 / farther + reach.along_m : std::numeric_limits<double>::infinity()};
 }
 
 double largest_parallax_rad(const FarCubes& cubes) {

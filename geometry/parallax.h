@@ -15,6 +15,24 @@ namespace promenade {
 /// number. Pure; any thread.
 double parallax_rad(const glm::dvec3& half_m, const glm::dvec3& direction, double drawn, double true_one);
 
+/// What a ray from a box's centre makes of an eye in the box: how far it may be along the ray, and aside of it.
+struct EyeReach {
+  double along_m = 0, aside_m = 0;
+};
+/// half_m: as above; unit_direction: of length 1.
+EyeReach eye_reach(const glm::dvec3& half_m, const glm::dvec3& unit_direction);
+
+/// Never below the parallax of two points of the ray, metres from the centre, for any eye in the box, and near it where
+/// that is small: by inverse distances alone. A right angle where one of them is not beyond the box. Pure; any thread.
+double parallax_bound_rad(const EyeReach& reach, double drawn_m, double true_m);
+
+/// The distances from the centre at which a point of the ray may be drawn whose true distance is given, by the same
+/// bound, which is below a right angle: none where `from` is above `to`; `to` may be infinite.
+struct DistanceRange {
+  double from_m = 0, to_m = 0;
+};
+DistanceRange drawable_range(const EyeReach& reach, double true_m, double bound_rad);
+
 /// Cubes about one centre: the eye's cell, the box on whose sides everything beyond is drawn, and how far that reaches.
 struct FarCubes {
   double cell_m = 0;   ///< length of the cell, >= 0, below the box's

@@ -36,10 +36,12 @@ std::string find_grid_defect(const FarTables& t) {
 
 }  // namespace
 
-DBox cell_box(const FarTables& tables, FarCellId id) {
-  const glm::dvec3 centre = centre_of_place(tables, tables.cells[index_of(id)].place);
+DBox box_of_place(const FarTables& tables, uint64_t place) {
+  const glm::dvec3 centre = centre_of_place(tables, place);
   return {centre - tables.cell_m / 2, centre + tables.cell_m / 2};
 }
+
+DBox cell_box(const FarTables& tables, FarCellId id) { return box_of_place(tables, tables.cells[index_of(id)].place); }
 
 Box near_box(const FarTables& tables, FarCellId id) {
   const glm::dvec3 centre = centre_of_place(tables, tables.cells[index_of(id)].place);

@@ -53,6 +53,8 @@ struct FarTables {
 /// Most places of a grid. Bounds what a hostile header can claim; a 10 km city at 2 m has 10^9.
 constexpr uint64_t kMostFarPlaces = uint64_t(1) << 40;
 
+/// The cell that stands or would stand at a place of the grid.
+DBox box_of_place(const FarTables& tables, uint64_t place);
 DBox cell_box(const FarTables& tables, FarCellId id);
 /// Everything that meets it is drawn as geometry from the cell: what the cell's pictures leave out.
 Box near_box(const FarTables& tables, FarCellId id);

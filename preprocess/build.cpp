@@ -54,6 +54,7 @@ Status check_options(const BuildOptions& o) {
   if (o.chunk_triangles != 0) PROMENADE_TRY(check("chunk-triangles", o.chunk_triangles, 1000, 1U << 24));
   PROMENADE_TRY(check("max-texture", o.max_texture_px, 64, 16384));
   PROMENADE_TRY(check("jpeg-quality", o.jpeg_quality < 0 ? 0U : static_cast<uint32_t>(o.jpeg_quality), 1, 100));
+  PROMENADE_TRY(check_options(o.far));
   return check_options(o.visibility);
 }
 
@@ -89,9 +90,10 @@ float leaf_step_m(const Survey& survey, uint32_t node_triangles) {
 
 /// Everything that the model depends on.
 uint64_t hash_of(const BuildOptions& o, uint64_t tree_hash) {
-  if (o.visibility.cells == CellStyle::none) return tree_hash;
+  if (o.visibility.cells == CellStyle::none && !o.far.pictures) return tree_hash;
   UnitWriter writer;
   writer.value(tree_hash), writer.value(hash_of(o.visibility));
+  if (o.far.pictures) writer.value(hash_of(o.far));
   writer.text(o.order.name), writer.text(o.order.file.string());
   return checksum(writer.bytes());
 }
@@ -107,6 +109,7 @@ std::map<std::string, std::string> settings_of(const BuildOptions& o, const Memo
       {"chunk-triangles", fmt::format("{}", budget.chunk_triangles)},
   };
   settings.merge(settings_of(o.visibility));
+  settings.merge(settings_of(o.far));
   if (o.visibility.cells != CellStyle::none) settings["order"] = o.order.name;
   if (o.import.unit_m) settings["unit"] = fmt::format("{}", *o.import.unit_m);
   if (o.import.up) settings["up"] = *o.import.up == UpAxis::y ? "y" : "z";
@@ -142,7 +145,8 @@ std::map<std::string, uint64_t> bytes_by_part(const std::filesystem::path& model
   std::map<std::string, uint64_t> bytes;
   for (const auto& [part, file] :
        {std::pair("geometry", "geometry.bin"), std::pair("textures", "textures.bin"), std::pair("tables", "tables.bin"),
-        std::pair("cells", "cells.bin"), std::pair("objects", "objects.bin"), std::pair("manifest", "manifest.json")}) {
+        std::pair("cells", "cells.bin"), std::pair("far", "far.bin"), std::pair("objects", "objects.bin"),
+        std::pair("manifest", "manifest.json")}) {
     std::error_code code;
     const uintmax_t size = std::filesystem::file_size(model / file, code);
     bytes[part] = code ? 0 : size;
@@ -201,6 +205,9 @@ class Build {
 
     if (options_.visibility.cells != CellStyle::none) PROMENADE_TRY(add_cells(*writer));
     clock_.end("visibility");
+
+    if (options_.far.pictures) PROMENADE_TRY(add_far(*writer));
+    clock_.end("far pictures");
 
     PROMENADE_TRY(writer->publish());
     figures_.bytes_by_part = bytes_by_part(options_.model);
@@ -271,6 +278,18 @@ class Build {
         writer.add_cells(made->cells, [&](CellId cell) { return decoded(made->vlods[index_of(cell)], nodes); }));
     figures_.delta_ids_mean = order->delta_ids_mean;
     return count_delta_bytes(writer);
+  }
+
+  Status add_far(ModelWriter& writer) {
+    const Result<ModelReader> reader = ModelReader::open(writer.staged_folder(), files_);
+    if (!reader.ok()) return reader.error();
+    const Result<FarUnits> made =
+        make_far(*reader, options_.far, hash_, options_.memory_bytes / kHidersPart, folder_, monitor_);
+    if (!made.ok()) return made.error();
+    figures_.far = made->figures;
+    figures_.units_total += made->figures.units;
+    figures_.units_resumed += made->figures.units_resumed;
+    return writer.add_far(made->tables, cells_of(*made, folder_));
   }
 
   /// The blocks of vLODs tell every delta: their bytes, shared among the faces.

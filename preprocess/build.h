@@ -10,6 +10,7 @@
 #include "geometry/job_monitor.h"
 #include "geometry/result.h"
 #include "layout/file_io.h"
+#include "preprocess/far/far_units.h"
 #include "preprocess/import.h"
 #include "preprocess/node_order.h"
 #include "preprocess/visibility/visibility.h"
@@ -25,13 +26,14 @@ struct BuildOptions {
   uint32_t node_triangles = 2000;  ///< most triangles of a node; 100 to 60000. More: fewer draws, coarser culling
   /// About how many children a node has (2 to one and a half of this; they are filled evenly), and so the ratio of
   /// triangles between levels; 2 to 16. [lakhia2004]: 4
-  uint32_t level_factor = 4;
+  uint32_t level_factor = 3;
   uint32_t chunk_triangles = 0;  ///< about the most triangles of a work unit, 1000 or more; 0: what memory allows
   GeometryCodec geometry_codec = GeometryCodec::meshopt;
   uint32_t max_texture_px = 2048;  ///< longest side of a stored texture; 64 to 16384
   int jpeg_quality = 85;
   CellOptions visibility;
   NodeOrderOptions order;  ///< of meshes on disk, for a model with cells
+  FarOptions far;
 };
 
 /// What `build --json` prints, besides build_wall_s and peak_rss_bytes.
@@ -43,9 +45,10 @@ struct BuildFigures {
   uint64_t units_total = 0, units_resumed = 0;
   std::vector<std::string> hiders;                ///< of the cells' chain, in order
   VisibilityFigures visibility;                   ///< zeros without cells
+  FarFigures far;                                 ///< zeros without far pictures
   double delta_ids_mean = 0;                      ///< nodes that leave or enter across a face between cells
   double delta_bytes_mean = 0;                    ///< of the coded vLODs, a face: all deltas follow from them
-  std::map<std::string, uint64_t> bytes_by_part;  ///< "geometry", "textures", "tables", "cells", "manifest"
+  std::map<std::string, uint64_t> bytes_by_part;  ///< "geometry", "textures", "tables", "cells", "far", "manifest"
   std::map<std::string, double> stage_wall_s;     ///< "survey", "partition", "simplify", ...
   std::map<std::string, uint64_t> import_counts;
   std::vector<std::string> warnings;

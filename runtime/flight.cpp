@@ -127,6 +127,8 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
     totals.bytes_read += row.bytes_read;
     totals.cells_crossed += row.cell_crossed ? 1 : 0;
     totals.vlods_missing += row.vlod_missing ? 1 : 0;
+    totals.far_crossed += row.far_crossed ? 1U : 0U;
+    totals.far_late += row.far_late ? 1U : 0U, totals.far_missing += row.far_missing ? 1U : 0U;
     totals.resident_bytes_peak = std::max(totals.resident_bytes_peak, row.resident_bytes);
   }
   totals.frame_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.frame_ms; });
@@ -137,6 +139,7 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
   }));
   totals.response_ms_p99 = percentile(response_ms, 0.99);
   totals.triangles_drawn_mean = mean_of(rows, [](const FrameRow& r) { return r.triangles_drawn; });
+  totals.far_triangles_mean = mean_of(rows, [](const FrameRow& r) { return r.far_triangles; });
   totals.nodes_drawn_mean = mean_of(rows, [](const FrameRow& r) { return r.nodes_drawn; });
   totals.nodes_missing_mean = mean_of(rows, [](const FrameRow& r) { return r.nodes_missing; });
   const double crossings = std::max(1.0, double(totals.cells_crossed)), count = double(rows.size());

@@ -59,6 +59,8 @@ struct FlightTotals {
   double delta_bytes_mean = 0;  ///< read for a step into another cell; 0 without cells
   double delta_nodes_mean = 0;  ///< that came or went with a step
   uint64_t vlods_missing = 0;   ///< frames that the tree alone served inside a cell: its vLOD was not read yet
+  uint64_t far_crossed = 0, far_late = 0, far_missing = 0;  ///< frames; 0 without far pictures
+  double far_triangles_mean = 0;                            ///< of far pictures
   uint64_t bytes_read = 0;
   uint64_t reads = 0;              ///< runs of bytes that lie one behind the other in a file
   uint64_t bytes_read_useful = 0;  ///< of segments whose node was drawn before it left memory again

@@ -36,12 +36,14 @@ constexpr std::chrono::milliseconds kIdleWait(20);
 }  // namespace
 
 Loader::Loader(const ModelSource& source, const Renderer& renderer, ResidentSet& set, VlodStore* vlods,
-               const LoaderOptions& options)
-    : source_(source), renderer_(renderer), set_(set), vlods_(vlods), options_(options) {}
+               const LoaderOptions& options, FarStore* far)
+    : source_(source), renderer_(renderer), set_(set), vlods_(vlods), far_(far), options_(options) {}
 
 Loader::Step Loader::step() {
   if (vlods_ != nullptr)
     if (const Step step = read_vlod(); step.outcome == Outcome::worked) return step;
+  if (far_ != nullptr)
+    if (const Step step = load_far(); step.outcome == Outcome::worked) return step;
   const ResidentSet::Task task = set_.next_task(std::max<uint64_t>(1, options_.piece_bytes));
   switch (task.next) {
     case ResidentSet::Next::read:
@@ -60,9 +62,21 @@ Loader::Step Loader::read_vlod() {
   const Clock::time_point begin = Clock::now();
   const VlodStore::Step step = vlods_->load_next();
   if (!step.worked) return {};
-  const double taken_ms = ms_since(begin);
+  return emulated(ms_since(begin), step.bytes);
+}
+
+Loader::Step Loader::load_far() {
+  // Decoding is counted by the processor, as for nodes.
+  const double begin_ms = processor_ms();
+  const FarStore::Step step = far_->load_next();
+  if (!step.worked) return {};
+  return emulated(processor_ms() - begin_ms, step.bytes);
+}
+
+/// A read elsewhere of so many bytes.
+Loader::Step Loader::emulated(double taken_ms, uint64_t bytes) {
   double emulated_ms = options_.disk_seek_ms;
-  if (options_.disk_mbps) emulated_ms += double(step.bytes) / (*options_.disk_mbps * 1e6) * 1e3;
+  if (options_.disk_mbps) emulated_ms += double(bytes) / (*options_.disk_mbps * 1e6) * 1e3;
   last_file_ = kNoFile;
   const double busy_ms = std::max(taken_ms, emulated_ms);
   return {Outcome::worked, busy_ms, busy_ms - taken_ms};

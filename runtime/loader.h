@@ -30,6 +30,7 @@
 #include <optional>
 #include <thread>
 
+#include "runtime/far_store.h"
 #include "runtime/loader_counts.h"
 #include "runtime/resident_set.h"
 #include "runtime/vlod_store.h"
@@ -53,9 +54,9 @@ struct LoaderOptions {
 /// Does the loading, a step at a time, on whatever single thread calls step().
 class Loader {
  public:
-  /// vlods: may be null. What is passed must outlive it.
+  /// vlods, far: may be null. What is passed must outlive it.
   Loader(const ModelSource& source, const Renderer& renderer, ResidentSet& set, VlodStore* vlods,
-         const LoaderOptions& options);
+         const LoaderOptions& options, FarStore* far = nullptr);
 
   enum class Outcome : uint8_t { worked, waiting, idle };
   struct Step {
@@ -63,12 +64,14 @@ class Loader {
     double busy_ms = 0;  ///< of the loader's time: what the step took, or what the emulated disk would have
     double owed_ms = 0;  ///< busy_ms less what has truly passed: what a thread must still sleep
   };
-  /// One vLOD read, or one piece of a part, or one part decoded and staged, or nothing to do. vLODs come first: they
-  /// say what is wanted, and are small.
+  /// One vLOD read, or one side of a far picture, or one piece of a part, or one part decoded and staged, or nothing to
+  /// do. vLODs come first: they say what is wanted, and are small. Then what stands for most of the model.
   Step step();
 
  private:
   Step read_vlod();
+  Step load_far();
+  Step emulated(double taken_ms, uint64_t bytes);
   Step read(const ResidentSet::Task& task);
   Step decode(const ResidentSet::Task& task);
 
@@ -76,6 +79,7 @@ class Loader {
   const Renderer& renderer_;
   ResidentSet& set_;
   VlodStore* vlods_;
+  FarStore* far_;
   LoaderOptions options_;
   static constexpr uint32_t kNoFile = 0xffffffffU;
   uint32_t last_file_ = kNoFile;  ///< where the emulated head stands

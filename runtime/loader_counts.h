@@ -21,7 +21,8 @@ struct LoaderCounts {
   uint64_t refused_too_large = 0;   ///< would not fit even alone beside the roots
   uint64_t failed_reads = 0, failed_decodes = 0, failed_uploads = 0;
   uint64_t vlods_loaded = 0, vlod_bytes_read = 0;  ///< what cells see; their bytes are in bytes_read, too
-  uint64_t idle_steps = 0;                         ///< nothing was wanted
+  uint64_t far_sides_loaded = 0, far_sides_uploaded = 0, far_bytes_read = 0;  ///< their bytes are in bytes_read, too
+  uint64_t idle_steps = 0;                                                    ///< nothing was wanted
 };
 
 }  // namespace promenade

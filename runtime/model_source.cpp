@@ -35,6 +35,9 @@ class ReaderSource final : public ModelSource {
   uint64_t vlod_reader_bytes() const override { return reader_.cells() != nullptr ? reader_.cells()->byte_size() : 0; }
   Result<Vlod> read_vlod(CellId cell) const override { return reader_.cells()->read_vlod(cell); }
 
+  const FarTables* far() const override { return reader_.far() != nullptr ? &reader_.far()->tables() : nullptr; }
+  Result<std::vector<std::byte>> read_far_face(uint32_t face) const override { return reader_.far()->read_face(face); }
+
  private:
   const ModelReader& reader_;
 };
@@ -43,6 +46,10 @@ class ReaderSource final : public ModelSource {
 
 Result<Vlod> ModelSource::read_vlod(CellId cell) const {
   return Error{fmt::format("cell {}: the model has no cells", index_of(cell))};
+}
+
+Result<std::vector<std::byte>> ModelSource::read_far_face(uint32_t face) const {
+  return Error{fmt::format("far face {}: the model has no far pictures", face)};
 }
 
 std::unique_ptr<ModelSource> source_of(const ModelReader& reader) { return std::make_unique<ReaderSource>(reader); }

@@ -8,6 +8,7 @@
 #include "geometry/mesh.h"
 #include "geometry/result.h"
 #include "layout/cells_io.h"
+#include "layout/far.h"
 #include "layout/model.h"
 
 namespace promenade {
@@ -32,6 +33,11 @@ class ModelSource {
   /// What reading vLODs keeps in memory at most, besides the tables.
   virtual uint64_t vlod_reader_bytes() const { return 0; }
   virtual Result<Vlod> read_vlod(CellId cell) const;
+
+  /// The far pictures; null: the model has none.
+  virtual const FarTables* far() const { return nullptr; }
+  /// A face's stored bytes (codec/far_face.h), checked.
+  virtual Result<std::vector<std::byte>> read_far_face(uint32_t face) const;
 };
 
 /// The model that a reader opened. The reader must outlive it.

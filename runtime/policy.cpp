@@ -65,15 +65,17 @@ struct PolicyName {
   Policy policy;
   std::string_view name;
 };
-constexpr std::array<PolicyName, 9> kPolicyNames = {{{Policy::none, "none"},
-                                                     {Policy::static_error, "static"},
-                                                     {Policy::feedback, "feedback"},
-                                                     {Policy::cost_benefit, "cost-benefit"},
-                                                     {Policy::time_slices, "time-slices"},
-                                                     {Policy::lakhia, "lakhia"},
-                                                     {Policy::front, "front"},
-                                                     {Policy::vlod, "vlod"},
-                                                     {Policy::vlod_time_slices, "vlod-time-slices"}}};
+constexpr std::array<PolicyName, 11> kPolicyNames = {{{Policy::none, "none"},
+                                                      {Policy::static_error, "static"},
+                                                      {Policy::feedback, "feedback"},
+                                                      {Policy::cost_benefit, "cost-benefit"},
+                                                      {Policy::time_slices, "time-slices"},
+                                                      {Policy::lakhia, "lakhia"},
+                                                      {Policy::front, "front"},
+                                                      {Policy::vlod, "vlod"},
+                                                      {Policy::vlod_time_slices, "vlod-time-slices"},
+                                                      {Policy::stratified, "stratified"},
+                                                      {Policy::vlod_stratified, "vlod-stratified"}}};
 
 }  // namespace
 
@@ -98,7 +100,8 @@ std::string policy_names() {
 std::span<const Policy> all_policies() {
   static constexpr std::array kAll = {
       Policy::vlod_time_slices, Policy::cost_benefit, Policy::vlod,     Policy::front, Policy::time_slices,
-      Policy::lakhia,           Policy::static_error, Policy::feedback, Policy::none};
+      Policy::lakhia,           Policy::static_error, Policy::feedback, Policy::none,  Policy::stratified,
+      Policy::vlod_stratified};
   static_assert(kAll.size() == kPolicyNames.size());
   return kAll;
 }

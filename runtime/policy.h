@@ -33,8 +33,14 @@ enum class Policy : uint8_t {
   /// Time slices over what the vLOD says can be seen (the default); outside the cells: time_slices. The cell tells what
   /// is hidden, the eye how fine the rest must be.
   vlod_time_slices,
+  /// Near geometry, far pictures [xiong1996]: static within the box around the eye's far cell; where no picture is
+  /// there, static everywhere. Only in models with far pictures.
+  stratified,
+  /// The same over what the vLOD says can be seen, and at its detail.
+  vlod_stratified,
 };
-/// "none", "static", "feedback", "cost-benefit", "time-slices", "lakhia", "front", "vlod", "vlod-time-slices".
+/// "none", "static", "feedback", "cost-benefit", "time-slices", "lakhia", "front", "vlod", "vlod-time-slices",
+/// "stratified", "vlod-stratified".
 std::string_view name_of(Policy policy);
 std::optional<Policy> policy_named(std::string_view name);
 /// All names, for usage texts: "none, static, time-slices, ...".
@@ -43,8 +49,11 @@ std::string policy_names();
 std::span<const Policy> all_policies();
 /// Whether the policy asks what the eye's cell sees.
 constexpr bool uses_vlod(Policy policy) {
-  return policy == Policy::vlod || policy == Policy::vlod_time_slices || policy == Policy::cost_benefit;
+  return policy == Policy::vlod || policy == Policy::vlod_time_slices || policy == Policy::cost_benefit ||
+         policy == Policy::vlod_stratified;
 }
+/// Whether the policy draws pictures of what is far.
+constexpr bool uses_far(Policy policy) { return policy == Policy::stratified || policy == Policy::vlod_stratified; }
 /// Whether the policy shares out frame time.
 constexpr bool uses_time(Policy policy) {
   return policy == Policy::time_slices || policy == Policy::lakhia || policy == Policy::vlod_time_slices;
@@ -124,6 +133,8 @@ struct SelectView {
   const SoonMarks* soon = nullptr;    ///< what the next cells see; null: not known
   const Box* cell = nullptr;          ///< the eye's cell; null: outside
   const FrontBound* bound = nullptr;  ///< of the cells' fronts; not null where `cell` is not
+  /// What meets one of these boxes is drawn as geometry, the rest is in a far picture; empty: everything is geometry.
+  std::span<const Box> near;
 };
 
 /// What a selection remembers. Sized to the model on first use; byte_size counts it.

@@ -1,6 +1,7 @@
 #pragma once
 // One selection under way: what the policies, a file each, have in common.
 
+#include <algorithm>
 #include <vector>
 
 #include "runtime/sight.h"
@@ -54,7 +55,13 @@ class Selecting {
     return ms_per_cost * node_cost(node(id), options.time);
   }
   /// Whether the vLOD, if there is one, has something of the node.
-  bool may_be_seen(NodeId id) const { return vlod == nullptr || vlod->leads_to_some(id); }
+  bool may_be_seen(NodeId id) const { return is_near(id) && (vlod == nullptr || vlod->leads_to_some(id)); }
+  /// Whether some of it is drawn as geometry. What moves always is: no picture has it.
+  bool is_near(NodeId id) const {
+    return view.near.empty() || model.is_moving(id) ||
+           std::any_of(view.near.begin(), view.near.end(),
+                       [this, id](const Box& box) { return box.overlaps(node(id).box); });
+  }
   /// Tells the loader about the node: once a selection.
   float price(NodeId id) {
     const float priority = priority_of(model, id, sight, options);

@@ -10,6 +10,8 @@
 #include <optional>
 
 #include "runtime/fades.h"
+#include "runtime/far_follower.h"
+#include "runtime/far_store.h"
 #include "runtime/posed_model.h"
 
 namespace promenade {
@@ -68,6 +70,16 @@ uint32_t still_frames(const SelectOptions& options) {
 
 }  // namespace
 
+std::string_view name_of(FarStyle style) {
+  return style == FarStyle::full ? "full" : style == FarStyle::near_only ? "near" : "far";
+}
+
+std::optional<FarStyle> far_style_named(std::string_view name) {
+  for (const FarStyle style : {FarStyle::full, FarStyle::near_only, FarStyle::far_only})
+    if (name_of(style) == name) return style;
+  return std::nullopt;
+}
+
 struct Session::State {
   State(const ModelSource& from, Renderer& draws_with, const SessionOptions& with)
       : source(from),
@@ -83,10 +95,12 @@ struct Session::State {
   ~State() {
     thread.reset();
     if (set) set->clear(renderer);
+    if (far_store) far_store->clear(renderer);
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
+  Status open_far(uint64_t& bytes);
   Status draw(const Camera& camera);
   void put_items(const Camera& camera);
   /// Draws `items`; how long that took.
@@ -98,6 +112,7 @@ struct Session::State {
   void move_to(const Camera& camera, SelectView& seen, FrameRow& row);
   void use_vlod(CellId cell, FrameRow& row);
   void foresee(CellId cell, SelectView& seen, FrameRow& row);
+  void follow_far(const Camera& camera, SelectView& seen, FrameRow& row);
 
   const ModelSource& source;
   Renderer& renderer;
@@ -108,6 +123,10 @@ struct Session::State {
   std::unique_ptr<SoonMarks> soon;   ///< null: the model has no cells
   std::optional<CellId> marked;      ///< the cell whose vLOD `marks` has
   std::unique_ptr<ResidentSet> set;
+  std::unique_ptr<FarStore> far_store;  ///< null: no far pictures
+  std::unique_ptr<FarFollower> far;     ///< null: no far pictures
+  std::optional<FarCellId> last_far;
+  std::vector<DrawItem> far_items;
   std::unique_ptr<Loader> loader;
   std::unique_ptr<LoaderThread> thread;
   SelectState select_state;
@@ -136,7 +155,9 @@ Result<Session> Session::open(const ModelSource& source, Renderer& renderer, con
   const Model& model = source.model();
   if (model.tables.roots.empty()) return Error{"the model has no nodes; build it again"};
   auto state = std::make_unique<State>(source, renderer, options);
-  const uint64_t fixed = table_bytes(model.tables) + model.tables.nodes.size() * kSelectBytesPerNode +
+  uint64_t far_bytes = 0;
+  PROMENADE_TRY(state->open_far(far_bytes));
+  const uint64_t fixed = far_bytes + table_bytes(model.tables) + model.tables.nodes.size() * kSelectBytesPerNode +
                          options.frame_bytes + cell_bytes(source, state->vlods) + model.objects.byte_size() +
                          PosedModel::byte_size(model) +
                          (model.objects.class_shares.empty() ? 0 : model.tables.nodes.size() * sizeof(float));
@@ -148,13 +169,60 @@ Result<Session> Session::open(const ModelSource& source, Renderer& renderer, con
     state->marks = std::make_unique<VlodMarks>(model);
     state->soon = std::make_unique<SoonMarks>(model);
   }
-  state->loader = std::make_unique<Loader>(source, renderer, *state->set, &state->vlods, loading);
+  state->loader =
+      std::make_unique<Loader>(source, renderer, *state->set, &state->vlods, loading, state->far_store.get());
   state->view.model_origin = model.manifest.origin;
   state->view.lighting = options.lighting;
   state->view.background = options.background;
   state->view.textures = options.textures;
   if (options.loader_thread) state->thread = std::make_unique<LoaderThread>(*state->loader);
   return Session(std::move(state));
+}
+
+/// Far pictures, if the model has some: where the policy asks for them, or memory is plenty and it may come to that.
+Status Session::State::open_far(uint64_t& bytes) {
+  const bool asked = uses_far(options.select.policy);
+  if (source.far() == nullptr) {
+    if (!asked) return Done{};
+    return Error{
+        fmt::format("policy {}: the model has no far pictures; build it with --far-pictures, or take another policy",
+                    name_of(options.select.policy))};
+  }
+  const uint64_t memory_bytes = options.loader.memory_bytes;
+  auto store = std::make_unique<FarStore>(source, renderer, memory_bytes);
+  constexpr uint64_t kPart = 2;  // of the memory, at most: near geometry needs some
+  if (store->bound_bytes() > memory_bytes / kPart) {
+    if (!asked) return Done{};
+    return Error{fmt::format(
+        "policy {}: two cells' far pictures take {} MiB, half of the memory bound must hold them: "
+        "{} MiB or more",
+        name_of(options.select.policy), store->bound_bytes() >> 20, (kPart * store->bound_bytes() >> 20) + 1)};
+  }
+  bytes = store->bound_bytes() + source.far()->byte_size();
+  far_store = std::move(store);
+  far = std::make_unique<FarFollower>(*source.far());
+  return Done{};
+}
+
+/// Chooses far pictures, and what is near besides.
+void Session::State::follow_far(const Camera& camera, SelectView& seen, FrameRow& row) {
+  far_items.clear();
+  if (far == nullptr || !uses_far(options.select.policy)) return;
+  const glm::dvec3 eye = camera.pose.eye - source.model().manifest.origin;
+  far_store->want(far->wanted(eye, seen.velocity_m_per_s));
+  far->follow(eye, options.fade_frames, [this](FarCellId cell) { return far_store->find(cell).has_value(); });
+  row.far_crossed = last_far && far->cell() && *last_far != *far->cell();
+  last_far = far->cell();
+  row.far_late = far->is_late(), row.far_missing = far->is_missing();
+  seen.near = far->near();
+  if (options.far_style == FarStyle::near_only) return;
+  for (const FarLayer& layer : far->layers()) {
+    const std::optional<FarStore::Picture> picture = far_store->find(layer.cell);
+    for (const MeshHandle mesh : picture->meshes)
+      far_items.push_back({mesh, kNoNode, glm::mat4(1), layer.from, layer.to});
+    row.far_triangles += picture->triangles;
+    ++row.far_layers;
+  }
 }
 
 Status Session::State::draw(const Camera& camera) {
@@ -165,8 +233,11 @@ Status Session::State::draw(const Camera& camera) {
 void Session::State::put_items(const Camera& camera) {
   view.camera = camera;
   items.clear();
-  for (const FadedNode& f : faded)
-    items.push_back({set->mesh_of(f.node), f.node, posed.matrix_of(f.node), f.from, f.to});
+  // What is near hides most of what is far.
+  if (options.far_style != FarStyle::far_only || far_items.empty())
+    for (const FadedNode& f : faded)
+      items.push_back({set->mesh_of(f.node), f.node, posed.matrix_of(f.node), f.from, f.to});
+  items.insert(items.end(), far_items.begin(), far_items.end());
 }
 
 Result<Session::Redraw> Session::State::timed_draw() {
@@ -194,7 +265,7 @@ void Session::State::choose(const Camera& camera, const SelectView& seen, FrameR
   fades.follow(selection.front, set->resident(), frustum_of(camera, source.model().manifest.origin), hides,
                options.fade_frames, faded);
   load = selection.load;
-  row.triangles_drawn = selection.triangles;
+  row.triangles_drawn = selection.triangles + row.far_triangles;
   const glm::vec3 eye(camera.pose.eye - source.model().manifest.origin);
   DrawLoad fading;
   for (const FadedNode& f : faded) {
@@ -262,6 +333,10 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   const Clock::time_point begin = Clock::now();
   s.set->begin_frame(s.renderer);
   s.set->upload(s.renderer, s.options.upload_budget_ms);
+  if (s.far_store) {
+    s.far_store->begin_frame(s.renderer);
+    s.far_store->upload(s.renderer);
+  }
   FrameRow row;
   row.upload_ms = ms_since(begin);
 
@@ -270,6 +345,7 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   view.camera = camera;
   s.look_back(camera, dt_s, view, row);
   s.move_to(camera, view, row);
+  s.follow_far(camera, view, row);
   const SelectOptions& select_options = s.options.select;
   view.importance = s.importance;
   if (s.posed.moves()) view.swept = &s.posed.source();
@@ -307,7 +383,7 @@ Result<FrameRow> Session::frame(const Camera& camera, double dt_s) {
   row.toggles_loading = s.selection.toggles_loading;
   row.toggles = row.toggles_up + row.toggles_down;
   row.nodes_by_level = s.selection.nodes_by_level;
-  row.resident_bytes = s.set->memory().total();
+  row.resident_bytes = s.set->memory().total();  // with all that far pictures may take
   const uint64_t bytes_read = loader_counts().bytes_read;
   row.bytes_read = bytes_read - s.last_bytes_read;
   s.last_bytes_read = bytes_read;
@@ -360,7 +436,8 @@ Result<FrameRow> Session::settle(const Camera& camera, uint32_t max_frames) {
     run_loader(kUnlimitedMs);
     wait_for_loader();
     const LoaderCounts counts = loader_counts();
-    const uint64_t loaded = counts.nodes_loaded + counts.textures_loaded + counts.pieces + counts.vlods_loaded;
+    const uint64_t loaded = counts.nodes_loaded + counts.textures_loaded + counts.pieces + counts.vlods_loaded +
+                            counts.far_sides_loaded + counts.far_sides_uploaded;
     const bool same =
         loaded == loaded_before && row->nodes_drawn == last.nodes_drawn && row->triangles_drawn == last.triangles_drawn;
     still = same && row->nodes_fading == 0 ? still + 1 : 0;
@@ -399,11 +476,21 @@ LoaderCounts Session::loader_counts() const {
   counts.bytes_read += counts.vlod_bytes_read;
   counts.bytes_read_useful += counts.vlod_bytes_read;
   counts.reads += counts.vlods_loaded;
+  if (state_->far_store) {
+    counts.far_sides_loaded = state_->far_store->sides_loaded();
+    counts.far_sides_uploaded = state_->far_store->sides_uploaded();
+    counts.far_bytes_read = state_->far_store->bytes_read();
+    counts.bytes_read += counts.far_bytes_read;
+    counts.bytes_read_useful += counts.far_bytes_read;
+    counts.reads += counts.far_sides_loaded;
+  }
   return counts;
 }
 std::vector<std::string> Session::failures() const {
   std::vector<std::string> failures = state_->set->failures();
   for (std::string& failure : state_->vlods.failures()) failures.push_back(std::move(failure));
+  if (state_->far_store)
+    for (std::string& failure : state_->far_store->failures()) failures.push_back(std::move(failure));
   return failures;
 }
 std::vector<NodeId> Session::resident_nodes() const {
@@ -425,5 +512,6 @@ void Session::set_class_weight(const std::string& class_name, double weight) {
 SelectOptions& Session::select_options() { return state_->options.select; }
 FrameView& Session::frame_view() { return state_->view; }
 uint32_t& Session::fade_frames() { return state_->options.fade_frames; }
+FarStyle& Session::far_style() { return state_->options.far_style; }
 
 }  // namespace promenade

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "geometry/result.h"
@@ -18,6 +19,12 @@
 #include "runtime/renderer.h"
 
 namespace promenade {
+
+/// What the policies with far pictures draw of the two, [xiong1996] section 5.1.
+enum class FarStyle : uint8_t { full, near_only, far_only };
+/// "full", "near", "far".
+std::string_view name_of(FarStyle style);
+std::optional<FarStyle> far_style_named(std::string_view name);
 
 struct SessionOptions {
   SelectOptions select;
@@ -37,7 +44,8 @@ struct SessionOptions {
   /// Frames that a switch between levels takes to fade; 0: switches pop. A fade draws both levels: policies that share
   /// out time are charged for it.
   uint32_t fade_frames = 8;
-  RangeOptions range;          ///< of the eye: whose cells' vLODs are read beforehand
+  RangeOptions range;  ///< of the eye: whose cells' vLODs are read beforehand
+  FarStyle far_style = FarStyle::full;
   ClassWeights class_weights;  ///< how much what the source calls so matters; by default all alike
 };
 
@@ -65,6 +73,11 @@ struct FrameRow {
   std::optional<CellId> cell;    ///< the eye's; nullopt: outside
   bool cell_crossed = false;     ///< into another cell than in the frame before
   bool vlod_missing = false;     ///< the policy asks for the cell's vLOD, which is not read yet: the tree alone served
+  uint64_t far_layers = 0;       ///< far pictures drawn: 2 while one fades into the next; 0: geometry alone
+  uint64_t far_triangles = 0;    ///< of them, in triangles_drawn, too
+  bool far_crossed = false;      ///< into another far cell than in the frame before
+  bool far_late = false;         ///< the last far cell's picture stood in
+  bool far_missing = false;      ///< geometry stood in for a far cell's picture
   uint64_t nodes_foreseen = 0;   ///< that may be wanted soon, besides those that are
   uint64_t range_cells = 0;      ///< that the eye may be in within the horizon
   uint64_t delta_nodes = 0;      ///< that came or went with the vLOD that is now used
@@ -83,7 +96,8 @@ struct FrameRow {
 class Session {
  public:
   /// Loads the roots. source and renderer must outlive the session. Errors: a root that cannot be read; a memory bound
-  /// below what tables, roots and one node's loading take (the message says how much is needed).
+  /// below what tables, roots and one node's loading take (the message says how much is needed); a policy with far
+  /// pictures and a model without.
   static Result<Session> open(const ModelSource& source, Renderer& renderer, const SessionOptions& options);
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
@@ -132,6 +146,7 @@ class Session {
   SelectOptions& select_options();                                      ///< may be changed between frames
   FrameView& frame_view();  ///< light and background; may be changed between frames
   uint32_t& fade_frames();  ///< may be changed between frames
+  FarStyle& far_style();    ///< may be changed between frames
 
  private:
   struct State;

@@ -76,6 +76,28 @@ TEST(Parallax, of_a_ray_is_that_of_the_worst_corner) {
   EXPECT_GT(parallax_rad(half, direction, 1, kInfinity), bound);
 }
 
+TEST(Parallax, is_never_above_the_bound_by_inverse_distances) {
+  Random random(11);
+  double tightest = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const glm::dvec3 half(random.range(0.1, 3.0), random.range(0.1, 3.0), random.range(0.1, 3.0));
+    const glm::dvec3 unit = glm::normalize(in_cube(random, 1) + glm::dvec3(1e-9));
+    const EyeReach reach = eye_reach(half, unit);
+    const double drawn = random.range(6.0, 60.0), true_one = random.range(6.0, 600.0);
+    const double exact = parallax_rad(half, unit, drawn, true_one), bound = parallax_bound_rad(reach, drawn, true_one);
+    EXPECT_LE(exact, bound * (1 + 1e-12));
+    tightest = std::max(tightest, exact / std::max(bound, 1e-12));
+    const DistanceRange range = drawable_range(reach, true_one, 0.05);
+    EXPECT_NEAR(parallax_bound_rad(reach, range.from_m, true_one), 0.05, 1e-9);
+    if (std::isfinite(range.to_m)) {
+      EXPECT_NEAR(parallax_bound_rad(reach, range.to_m, true_one), 0.05, 1e-9);
+    }
+  }
+  EXPECT_GT(tightest, 0.9) << "a bound that is never near says little";
+  EXPECT_GT(parallax_bound_rad({2, 1}, 1, 5), 1.5) << "drawn within the cell";
+  EXPECT_GT(drawable_range({2, 1}, 1, 0.1).from_m, drawable_range({2, 1}, 1, 0.1).to_m);
+}
+
 TEST(Parallax, of_what_is_no_number_is_the_most_there_is) {
   const double nan = std::nan("");
   EXPECT_GT(parallax_rad(glm::dvec3(1), {1, nan, 0}, 1, 2), 3);

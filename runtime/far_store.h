@@ -1,0 +1,69 @@
+#pragma once
+// The far pictures that are in memory: of the view cell that the eye is in, of those beside it, and of the last one.
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/model_source.h"
+#include "runtime/renderer.h"
+
+namespace promenade {
+
+/// Thread: functions marked render on the render thread only, loader on the loader's; the others from either.
+/// Everything shared is guarded by one mutex that is not held while reading, decoding or uploading. A frame never waits
+/// for a picture.
+class FarStore {
+ public:
+  /// source must have far pictures, and outlive it, as must the renderer. memory_bytes: of the whole session.
+  FarStore(const ModelSource& source, const Renderer& renderer, uint64_t memory_bytes);
+  ~FarStore();
+  FarStore(const FarStore&) = delete;
+  FarStore& operator=(const FarStore&) = delete;
+
+  /// The most that all pictures take, with one being decoded: room for two cells at least, for a few if they are small.
+  uint64_t bound_bytes() const;
+
+  // --- render ---
+  /// Cells in the order in which they matter. Others stay while there is room.
+  void want(std::span<const FarCellId> cells);
+  /// A cell's sides in the renderer; nullopt: they are not all there (yet). Valid until the next begin_frame().
+  struct Picture {
+    std::vector<MeshHandle> meshes;
+    uint64_t triangles = 0;
+  };
+  std::optional<Picture> find(FarCellId cell) const;
+  /// Gives up what the loader made room of.
+  void begin_frame(Renderer& renderer);
+  /// Hands one side that was loaded to the renderer, so that no frame takes a whole picture.
+  void upload(Renderer& renderer);
+  /// Destroys every handle.
+  void clear(Renderer& renderer);
+
+  // --- loader ---
+  struct Step {
+    bool worked = false;
+    uint64_t bytes = 0;  ///< read from disk
+  };
+  /// Reads, decodes and stages one side of the most important cell that is not there. A cell that cannot be read is
+  /// never asked for again: geometry serves.
+  Step load_next();
+
+  // --- either ---
+  uint64_t bytes() const;         ///< that the pictures in memory take, at most bound_bytes()
+  uint64_t sides_loaded() const;  ///< since the beginning
+  uint64_t sides_uploaded() const;
+  uint64_t bytes_read() const;
+  std::vector<std::string> failures() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace promenade

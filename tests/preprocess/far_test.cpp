@@ -1,0 +1,291 @@
+// Far pictures as a build makes them, against rays through the source.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <optional>
+
+#include "codec/far_mesh.h"
+#include "geometry/cube_side.h"
+#include "geometry/random.h"
+#include "preprocess/far/far_scene.h"
+#include "preprocess/far/far_shape.h"
+#include "tests/preprocess/build_fixtures.h"
+
+namespace promenade {
+namespace {
+
+using testing::HasSubstr;
+
+void add_box(Mesh& mesh, const glm::vec3& low, const glm::vec3& high) {
+  const auto first = static_cast<uint32_t>(mesh.positions.size());
+  for (uint32_t i = 0; i < 8; ++i)
+    mesh.positions.emplace_back((i & 1U) != 0 ? high.x : low.x, (i & 2U) != 0 ? high.y : low.y,
+                                (i & 4U) != 0 ? high.z : low.z);
+  for (const uint32_t corner : {0U, 2U, 3U, 0U, 3U, 1U, 4U, 5U, 7U, 4U, 7U, 6U, 0U, 1U, 5U, 0U, 5U, 4U,
+                                2U, 6U, 7U, 2U, 7U, 3U, 0U, 4U, 6U, 0U, 6U, 2U, 1U, 3U, 7U, 1U, 7U, 5U})
+    mesh.indices.push_back(first + corner);
+}
+
+/// Towers of random heights on a plain of 400 m, around a square of 100 m that is free.
+Mesh towers_around_a_square() {
+  Random random(4);
+  Mesh mesh;
+  add_box(mesh, {-200, -200, -1}, {200, 200, 0});
+  for (int x = -5; x < 5; ++x)
+    for (int y = -5; y < 5; ++y) {
+      const glm::vec3 at(float(x) * 40 + 8, float(y) * 40 + 8, 0);
+      if (std::abs(at.x + 12) < 60 && std::abs(at.y + 12) < 60) continue;
+      add_box(mesh, at, at + glm::vec3(24, 24, random.range(8.0F, 60.0F)));
+    }
+  return mesh;
+}
+
+class FarPictures : public testing::Test {
+ protected:
+  BuildOptions options(bool depth) {
+    BuildOptions o = small_build(source, folder.path() / (depth ? "depth.prom" : "flat.prom"));
+    o.far.pictures = true, o.far.depth = depth;
+    o.far.bound_deg = depth ? 1.5 : 4, o.far.box_m = 120, o.far.side_px = 65;
+    o.far.along = {{0, 0, 3}, {5, -8, 3}, {-14, 2, 20}};
+    return o;
+  }
+  Result<ModelReader> built(const BuildOptions& o) {
+    figures = build_model(o, monitor);
+    EXPECT_TRUE(figures.ok()) << figures.error().message;
+    Result<ModelReader> reader = ModelReader::open(o.model);
+    EXPECT_TRUE(reader.ok()) << reader.error().message;
+    return reader;
+  }
+
+  TemporaryFolder folder;
+  Mesh mesh = towers_around_a_square();
+  std::filesystem::path source = folder.write("towers.obj", obj_text(mesh));
+  JobMonitor monitor;
+  Result<BuildFigures> figures = BuildFigures{};
+};
+
+/// The first triangle that a ray meets beyond `from`, in lengths of the direction. from_front: whether at its front.
+std::optional<double> first_hit(const Mesh& mesh, const glm::dvec3& origin, const glm::dvec3& direction, double from,
+                                bool* from_front = nullptr) {
+  std::optional<double> nearest;
+  for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const glm::dvec3 a(mesh.positions[mesh.indices[3 * t]]), b(mesh.positions[mesh.indices[3 * t + 1]]),
+        c(mesh.positions[mesh.indices[3 * t + 2]]);
+    const glm::dvec3 e1 = b - a, e2 = c - a, p = glm::cross(direction, e2);
+    const double det = glm::dot(e1, p);
+    if (std::abs(det) < 1e-12) continue;
+    const glm::dvec3 s = origin - a, q = glm::cross(s, e1);
+    const double u = glm::dot(s, p) / det, v = glm::dot(direction, q) / det, at = glm::dot(e2, q) / det;
+    constexpr double kRim = -1e-9;
+    if (u < kRim || v < kRim || u + v > 1 - kRim || at < from) continue;
+    if (nearest && at >= *nearest) continue;
+    nearest = at;
+    if (from_front != nullptr) *from_front = det > 0;
+  }
+  return nearest;
+}
+
+double angle(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+/// A cell with its sides as meshes.
+struct DrawnCell {
+  glm::dvec3 centre{0};
+  std::array<std::optional<Mesh>, 6> sides;
+};
+
+DrawnCell drawn_cell(const ModelReader& reader, FarCellId id) {
+  const FarTables& tables = reader.far()->tables();
+  DrawnCell cell;
+  cell.centre = cell_box(tables, id).center();
+  const FarCellRecord& record = tables.cells[index_of(id)];
+  for (uint32_t i = record.first_face; i < record.first_face + record.face_count; ++i) {
+    const Result<FarFace> face = decode_far_face(*reader.far()->read_face(i));
+    EXPECT_TRUE(face.ok());
+    cell.sides[tables.faces[i].side] =
+        far_mesh(*face, {cell.centre, tables.box_m, tables.faces[i].side, tables.has_depth});
+    EXPECT_EQ(cell.sides[tables.faces[i].side]->triangle_count(), tables.faces[i].triangles);
+  }
+  return cell;
+}
+
+/// Random points of the source beyond the box that are seen from the centre, random eyes in the cell: the smallest
+/// angle between the point and what is drawn within a texel of its place in the picture.
+class Audit {
+ public:
+  Audit(const ModelReader& reader, const Mesh& source)
+      : reader_(reader), tables_(reader.far()->tables()), source_(source) {}
+
+  void run(int points) {
+    Random random(8);
+    for (uint32_t i = 0; i < tables_.cells.size(); ++i) {
+      const DrawnCell cell = drawn_cell(reader_, FarCellId{i});
+      for (int k = 0; k < points; ++k) look(cell, random);
+    }
+  }
+
+  int seen = 0, undrawn = 0, over = 0;
+  double largest_rad = 0;
+
+ private:
+  void look(const DrawnCell& cell, Random& random) {
+    const uint32_t side = random.below(6);
+    const double texel = 2.0 / (1U << tables_.face_levels);
+    const double x = random.range(-1.0, 1.0), y = random.range(-1.0, 1.0), half_box_m = tables_.box_m / 2;
+    // The back of a triangle is the inside of what the box cuts: its near part hides it.
+    bool from_front = false;
+    const std::optional<double> hit = first_hit(source_, cell.centre, ray(side, x, y) * half_box_m, 1, &from_front);
+    if (!hit || !from_front) return;
+    ++seen;
+    const glm::dvec3 point = ray(side, x, y) * half_box_m * *hit;
+    const double half_cell_m = tables_.cell_m / 2;
+    const glm::dvec3 eye(random.range(-half_cell_m, half_cell_m), random.range(-half_cell_m, half_cell_m),
+                         random.range(-half_cell_m, half_cell_m));
+    double least = 4;
+    for (const double dx : {0.0, -1.0, 1.0})
+      for (const double dy : {0.0, -1.0, 1.0}) {
+        const double ax = std::clamp(x + dx * texel, -1.0, 1.0), ay = std::clamp(y + dy * texel, -1.0, 1.0);
+        if (!cell.sides[side]) continue;
+        const std::optional<double> drawn = first_hit(*cell.sides[side], cell.centre, ray(side, ax, ay), 0);
+        if (drawn) least = std::min(least, angle(point - eye, ray(side, ax, ay) * *drawn - eye));
+      }
+    if (least > 3) {
+      ++undrawn;
+      return;
+    }
+    largest_rad = std::max(largest_rad, least);
+    // A texel aside is seen under somewhat more than its own angle from an eye nearer to it.
+    if (least > tables_.bound_rad + 1e-9) ++over;
+  }
+
+  static glm::dvec3 ray(uint32_t side, double x, double y) {
+    const CubeSide axes = cube_side(side);
+    return axes.forward + x * axes.right + y * axes.up;
+  }
+
+  const ModelReader& reader_;
+  const FarTables& tables_;
+  const Mesh& source_;
+};
+
+/// Points for each cell: PROMENADE_FAR_POINTS, for more than a test has time for.
+int audit_points() {
+  const char* wanted = std::getenv("PROMENADE_FAR_POINTS");
+  return wanted != nullptr ? std::atoi(wanted) : 400;
+}
+
+TEST_F(FarPictures, keep_the_bound_at_random_points_and_eyes_with_and_without_depth) {
+  for (const bool depth : {false, true}) {
+    const Result<ModelReader> reader = built(options(depth));
+    ASSERT_TRUE(reader.ok());
+    ASSERT_NE(reader->far(), nullptr);
+    const FarTables& tables = reader->far()->tables();
+    ASSERT_GE(tables.cells.size(), 2U);
+    for (const FarCellRecord& cell : tables.cells) EXPECT_LE(double(cell.parallax_rad), tables.bound_rad);
+    Mesh in_model = mesh;
+    for (glm::vec3& p : in_model.positions) p -= glm::vec3(reader->model().manifest.origin);
+    Audit audit(*reader, in_model);
+    audit.run(audit_points());
+    EXPECT_GT(audit.seen, audit_points() / 8);
+    EXPECT_EQ(audit.over, 0) << "of " << audit.seen << ", the worst " << glm::degrees(audit.largest_rad) << " degrees";
+    EXPECT_EQ(audit.undrawn, 0) << "of " << audit.seen;
+    RecordProperty(depth ? "points_with_depth" : "points_flat", audit.seen);
+    std::printf("%s: %d points, %.3f of %.3f degrees at most, cells of %.2f m\n", depth ? "depth" : "flat", audit.seen,
+                glm::degrees(audit.largest_rad), glm::degrees(tables.bound_rad), tables.cell_m);
+  }
+}
+
+TEST_F(FarPictures, with_depth_allow_larger_cells_at_the_same_bound) {
+  BuildOptions o = options(true);
+  const Result<ModelReader> deep = built(o);
+  o = options(false), o.far.bound_deg = 1.5, o.far.cell_m = deep->far()->tables().cell_m;
+  const Result<BuildFigures> flat = build_model(o, monitor);
+  ASSERT_FALSE(flat.ok());
+  EXPECT_THAT(flat.error().message, HasSubstr("--far-cell"));
+}
+
+TEST_F(FarPictures, have_only_sides_that_see_something) {
+  const Result<ModelReader> reader = built(options(true));
+  const FarTables& tables = reader->far()->tables();
+  for (const FarFaceRecord& face : tables.faces) EXPECT_LT(face.side, 4U) << "nothing is above, and the ground is near";
+  EXPECT_EQ(tables.faces.size(), 4 * tables.cells.size());
+}
+
+TEST_F(FarPictures, are_the_same_bytes_at_any_thread_count_and_after_an_interruption) {
+  BuildOptions o = options(true);
+  const Result<ModelReader> two = built(o);
+  const std::vector<std::byte> due = *read_file(o.model / "far.bin");
+  std::filesystem::remove_all(o.model);
+  o.jobs = 1;
+  ASSERT_TRUE(built(o).ok());
+  EXPECT_EQ(*read_file(o.model / "far.bin"), due);
+  std::filesystem::remove_all(o.model);
+  class Stop : public JobMonitor {
+   public:
+    void progress(std::string_view stage, uint64_t, uint64_t) override {
+      stopped_ = stopped_ || stage == "far pictures";
+    }
+    bool cancelled() const override { return stopped_; }
+
+   private:
+    std::atomic<bool> stopped_ = false;
+  } stop;
+  EXPECT_FALSE(build_model(o, stop).ok());
+  EXPECT_FALSE(std::filesystem::exists(o.model));
+  ASSERT_TRUE(built(o).ok());
+  EXPECT_GE(figures->far.units_resumed, 1U);
+  EXPECT_EQ(*read_file(o.model / "far.bin"), due);
+}
+
+TEST_F(FarPictures, show_no_crack_where_sides_meet) {
+  const Result<ModelReader> reader = built(options(true));
+  const DrawnCell cell = drawn_cell(*reader, FarCellId{0});
+  Mesh all;
+  for (const std::optional<Mesh>& side : cell.sides)
+    if (side) append(all, *side);
+  // Upright edges between neighbouring sides, from random eyes in the cell: what is on both sides of an edge is on it.
+  Random random(2);
+  const double half_cell_m = reader->far()->tables().cell_m / 2;
+  int checked = 0;
+  for (int i = 0; i < 300; ++i) {
+    const glm::dvec3 eye =
+        cell.centre + glm::dvec3(random.range(-half_cell_m, half_cell_m), random.range(-half_cell_m, half_cell_m),
+                                 random.range(-half_cell_m, half_cell_m));
+    const double turn = glm::radians(45.0 + 90 * random.below(4)), up = random.range(-0.02, 0.08);
+    const auto there = [&](double aside) {
+      return first_hit(all, eye, {std::cos(turn + aside), std::sin(turn + aside), up}, 0).has_value();
+    };
+    if (!there(-0.2) || !there(0.2)) continue;
+    for (double aside = -0.15; aside <= 0.15; aside += 0.003) {
+      EXPECT_TRUE(there(aside)) << aside << " from edge " << glm::degrees(turn);
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 1000);
+}
+
+TEST_F(FarPictures, refuse_what_cannot_be) {
+  const auto error_of = [this](auto change) {
+    BuildOptions o = options(true);
+    change(o.far);
+    const Result<BuildFigures> made = build_model(o, monitor);
+    return made.ok() ? std::string() : made.error().message;
+  };
+  EXPECT_THAT(error_of([](FarOptions& f) { f.bound_deg = 0; }), HasSubstr("--far-bound"));
+  EXPECT_THAT(error_of([](FarOptions& f) { f.bound_deg = std::nan(""); }), HasSubstr("--far-bound"));
+  EXPECT_THAT(error_of([](FarOptions& f) { f.box_m = 1000; }), HasSubstr("--far-box"));
+  EXPECT_THAT(error_of([](FarOptions& f) { f.cell_m = 60; }), HasSubstr("--far-cell"));
+  EXPECT_THAT(error_of([](FarOptions& f) { f.side_px = 64; }), HasSubstr("--far-side"));
+  EXPECT_THAT(error_of([](FarOptions& f) { f.jpeg_quality = 101; }), HasSubstr("--far-quality"));
+  EXPECT_THAT(error_of([](FarOptions& f) { f.along = {{1e6, 0, 0}}; }), HasSubstr("--far-path"));
+  EXPECT_THAT(error_of([](FarOptions& f) { f.along.clear(), f.max_cells = 3; }), HasSubstr("--far-max-cells 3"));
+}
+
+}  // namespace
+}  // namespace promenade
