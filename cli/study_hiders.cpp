@@ -199,7 +199,7 @@ Command add_study_hiders(CLI::App& study) {
   app->add_option("MODEL", arguments->models, "Directories that build made: one, or several to compare")->required();
   app->add_option("--hiders", arguments->chains,
                   fmt::format("A chain, names separated by commas, of: {}; or auto; may be given several times. "
-                              "Default: each hider of the chain that a build of this model uses, and the chain",
+                              "Default: each hider of the chain that a build of the model uses, and the chain",
                               hider_names()))
       ->type_name("LIST")
       ->take_all();

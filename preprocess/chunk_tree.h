@@ -63,7 +63,7 @@ struct ChunkTreeOptions {
   uint64_t triangles = 0;        ///< of the source
   uint32_t chunk_triangles = 0;  ///< a chunk's limit, which holds on average
   uint32_t node_triangles = 0;
-  uint32_t level_factor = 4;
+  uint32_t level_factor = 3;
   glm::dvec3 origin{0};
 };
 

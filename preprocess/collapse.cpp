@@ -23,7 +23,7 @@ constexpr float kLeastTurnCosine = 0.2F;
 /// A triangle's height over its longest edge: flatter ones may come from no collapse of fatter ones.
 constexpr float kLeastHeight = 1e-3F;
 /// Of a metre that a border between colours or materials moves, to a metre that the surface does.
-constexpr float kSeamWeight = 0.25F;
+constexpr float kSeamWeight = 0.5F;
 /// Of an edge along the cell's face: the neighbouring node ends there too.
 constexpr float kCellBorderWeight = 4;
 /// Of the distance to planes, which overestimates what round shapes lose.
@@ -177,10 +177,21 @@ bool Collapser::may_go(uint32_t place) {
 
 float Collapser::estimate(uint32_t place) {
   if (!may_go(place)) return kInfinity;
+  return least_estimate(place);
+}
+
+/// Of the ring, which has been found.
+float Collapser::least_estimate(uint32_t place) {
   estimate_ring(place);
   float least = kInfinity;
   for (size_t i = 0; i < ring_.size(); ++i) least = std::min(least, estimates_[i / kLanes][i % kLanes]);
   return least;
+}
+
+float Collapser::estimate_colorless(uint32_t place) {
+  if (!may_go(place)) return kInfinity;
+  for (Neighbour& n : ring_) n.contrast = 0;
+  return least_estimate(place);
 }
 
 Collapser::Choice Collapser::choose(uint32_t place, float limit_m) {

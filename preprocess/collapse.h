@@ -32,6 +32,9 @@ class Collapser {
   /// Estimate for the cheapest target of a place, in metres; infinite if it cannot go. Looks at planes only.
   float estimate(uint32_t place);
 
+  /// The same as if all triangles had one colour: what it costs where a patch has been lifted off.
+  float estimate_colorless(uint32_t place);
+
   struct Choice {
     uint32_t target = WorkMesh::kNone;  ///< kNone: the place cannot go
     float cost_m = 0;                   ///< measured; at least this, where it is over the limit
@@ -89,6 +92,7 @@ class Collapser {
   void find_lines(uint32_t place);
   bool may_go(uint32_t place);
   void estimate_ring(uint32_t place);
+  float least_estimate(uint32_t place);
   bool is_sound(uint32_t place, uint32_t target) const;
   uint32_t find_twin(uint32_t corner, uint32_t target) const;
   void move_corner(uint32_t corner, uint32_t target);

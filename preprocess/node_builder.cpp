@@ -185,11 +185,12 @@ Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, cons
         material < base_.size() && !is_textured(material) && base_.materials[material].alpha == AlphaMode::blend;
     material = base_.plain(merged.materials[material].two_sided, see_through);
   }
+  float sheet_height_m = 0;
   if (bare.triangle_count() > options_.node_triangles) {
     SimplifyOptions simplify_options;
     simplify_options.target_triangles = options_.node_triangles;
     simplify_options.cell = bounded(cell, bare);
-    surface.mesh = simplify(bare, simplify_options);
+    surface.mesh = simplify(bare, simplify_options, &sheet_height_m);
     if (surface.mesh.indices.empty())
       return Error{"simplification left no triangle: please report this with the source"};
     const Reference& reference = surface.reference;
@@ -203,7 +204,8 @@ Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, cons
   }
   if (merged.textured) PROMENADE_TRY(bake(merged, node));
   const double error_m = surface.error_m + surface.texture_error_m;
-  const double step_m = error_m > 0 ? power_of_two_below(error_m * kStepShare) : 0;
+  double step_m = error_m > 0 ? power_of_two_below(error_m * kStepShare) : 0;
+  if (sheet_height_m > 0) step_m = std::min(step_m, double(sheet_height_m));
   PROMENADE_TRY(store(surface.mesh, std::max(step_m, double(options_.leaf_step_m)), children, node));
   return node;
 }

@@ -43,12 +43,15 @@ Parts::Parts(const WorkMesh& work)
   for (uint32_t p = 0; p < work.place_count(); ++p) part_of_place_[p] = part_of_root[root_of(parent, p)];
   hidden_.assign(count(), 0);
   looks_.assign(count(), 0);
-  remaining_ = count();
+  for (uint32_t part = 0; part < count(); ++part) {
+    hidden_[part] = work.alive[triangles_[part].front()] == 0 ? 1 : 0;
+    remaining_ += hidden_[part] == 0 ? 1U : 0U;
+  }
   build_tree();
 }
 
 void Parts::build_tree() {
-  if (remaining_ < 2) return;  // nothing will be asked
+  if (remaining_ < (remaining_ == count() ? 2 : 1)) return;  // nothing will be asked
   std::vector<uint32_t> indices;
   tree_triangles_.clear();
   part_of_tree_triangle_.clear();
@@ -69,7 +72,8 @@ float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, f
   corners.clear();
   const bool first_look = looks_[part]++ == 0;
   const float limit2 = limit_m * limit_m;
-  if (remaining_ < 2) return std::numeric_limits<float>::infinity();
+  const uint8_t hidden_before = hidden_[part];
+  if (remaining_ < (hidden_before != 0 ? 1 : 2)) return std::numeric_limits<float>::infinity();
   hidden_[part] = 1;
   float cost2 = 0;
   uint32_t hint = kNoTriangle;
@@ -83,11 +87,12 @@ float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, f
     corners.push_back(corner_of(found.triangle, p));
     if (first_look && cost2 > limit2) break;
   }
-  hidden_[part] = 0;
+  hidden_[part] = hidden_before;
   return std::sqrt(cost2);
 }
 
 void Parts::remove(uint32_t part) {
+  if (hidden_[part] != 0) return;
   hidden_[part] = 1;
   --remaining_;
   hidden_in_tree_ += triangles_[part].size();
@@ -105,12 +110,30 @@ uint32_t Parts::corner_of(uint32_t tree_triangle, const glm::vec3& point) const 
   return nearest;
 }
 
-uint32_t Parts::nearest_corner_besides(uint32_t part, const glm::vec3& point) {
+/// A triangle of the tree.
+uint32_t Parts::nearest_besides(uint32_t part, const glm::vec3& point) {
+  const uint8_t hidden_before = hidden_[part];
   hidden_[part] = 1;
   const ClosestPointTree::Nearest found =
       tree_.nearest(point, {.group_of_triangle = part_of_tree_triangle_.data(), .group_hidden = hidden_.data()});
-  hidden_[part] = 0;
-  return found.triangle == kNoTriangle ? WorkMesh::kNone : corner_of(found.triangle, point);
+  hidden_[part] = hidden_before;
+  return found.triangle;
+}
+
+uint32_t Parts::nearest_corner_besides(uint32_t part, const glm::vec3& point) {
+  const uint32_t found = nearest_besides(part, point);
+  return found == kNoTriangle ? WorkMesh::kNone : corner_of(found, point);
+}
+
+std::optional<float> Parts::height_besides(uint32_t part, const glm::vec3& point, const glm::vec3& normal) {
+  const uint32_t found = nearest_besides(part, point);
+  if (found == kNoTriangle) return std::nullopt;
+  const size_t first = size_t(tree_triangles_[found]) * 3;
+  const auto corner = [&](size_t c) { return positions_[indices_[first + c]]; };
+  const glm::vec3 cross = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+  const float length = glm::length(cross);
+  if (!(length > 0) || glm::dot(cross, normal) <= 0) return std::nullopt;
+  return glm::dot(point - corner(0), cross / length);
 }
 
 }  // namespace promenade

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <vector>
 
 #include "geometry/closest_point.h"
@@ -10,9 +11,10 @@
 
 namespace promenade {
 
-/// Parts are sets of triangles that share places, numbered in order of their first triangle. Distances are to the parts
-/// as they were in the beginning, those not removed: collapses meanwhile move them by less than anything still in the
-/// queue would cost.
+/// Parts are sets of triangles that share places, numbered in order of their first triangle. Those that are not alive
+/// in the beginning are never what others are near to, but their own removal can be asked about. Distances are to the
+/// parts as they were in the beginning, those not removed: collapses meanwhile move them by less than anything still in
+/// the queue would cost.
 class Parts {
  public:
   /// The work mesh must outlive it.
@@ -36,7 +38,12 @@ class Parts {
   /// `part`; kNone where none does.
   uint32_t nearest_corner_besides(uint32_t part, const glm::vec3& point);
 
+  /// How far a point lies in front of the triangle nearest to it among the parts that remain without `part`, as it was;
+  /// nullopt where that does not face along `normal`, or there is none.
+  std::optional<float> height_besides(uint32_t part, const glm::vec3& point, const glm::vec3& normal);
+
  private:
+  uint32_t nearest_besides(uint32_t part, const glm::vec3& point);
   void build_tree();
   /// The corner of a triangle of the tree that is nearest to a point.
   uint32_t corner_of(uint32_t tree_triangle, const glm::vec3& point) const;

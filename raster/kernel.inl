@@ -202,8 +202,7 @@ constexpr int kParts = 16 / kLanes;
 
 /// Writes what is covered and wins. at: the lanes' place in the planes. True: something was written (probe: would be).
 template <Coverage C, bool kMasked>
-PROMENADE_INLINE bool write_lanes(const Frame& f, Int64 at, M inside, F z, uint32_t id, const MaskTriangle* mask, F x,
-                                  F y) {
+PROMENADE_INLINE bool write_lanes(const Frame& f, Int64 at, M inside, F z, uint32_t id, LazyMask* mask, F x, F y) {
   const F old = load(f.z + at);
   const M not_behind = inside & (z >= old);
   if (bits(not_behind) == 0) return false;
@@ -212,8 +211,9 @@ PROMENADE_INLINE bool write_lanes(const Frame& f, Int64 at, M inside, F z, uint3
   const I old_id = load(ids), new_id = splat(static_cast<int32_t>(id));
   M wins = not_behind & ((z > old) | less_unsigned(new_id, old_id));
   if constexpr (kMasked) {
-    wins = wins & shown_lanes(f, *mask, at, z, new_id);
-    wins = mask_of(solid_lanes(*mask, bits(wins), x, y, z));
+    wins = wins & shown_lanes(f, *mask->item, at, z, new_id);
+    if (bits(wins) == 0) return false;
+    wins = mask_of(solid_lanes(mask->ready(f), bits(wins), x, y, z));
     if (bits(wins) == 0) return false;
   }
   store(f.z + at, select(wins, z, old));
@@ -251,38 +251,49 @@ struct Batch {
 };
 
 template <Coverage C, bool kMasked>
-PROMENADE_INLINE void draw_small(const Frame& f, Region& r, const Batch& s, int t, const MaskTriangle* mask) {
-  const F a0 = splat(s.a[0][t]), a1 = splat(s.a[1][t]), a2 = splat(s.a[2][t]);
-  const F b0 = splat(s.b[0][t]), b1 = splat(s.b[1][t]), b2 = splat(s.b[2][t]);
+PROMENADE_INLINE void draw_small(const Frame& f, Region& r, const Batch& s, int t, LazyMask* mask) {
   const F lane_x = load(kOffsets.x), lane_y = load(kOffsets.y);
-  const F o0 = splat(s.e[0][t]) + (a0 * lane_x + b0 * lane_y);
-  const F o1 = splat(s.e[1][t]) + (a1 * lane_x + b1 * lane_y);
-  const F o2 = splat(s.e[2][t]) + (a2 * lane_x + b2 * lane_y);
   const Plane plane = {s.x0[t], s.y0[t], s.z0[t], s.gx[t], s.gy[t], s.z_min[t], s.z_max[t]};
   const PixelRect rect = {s.px0[t], s.py0[t], s.px1[t], s.py1[t]};
   const int32_t bx0 = rect.x0 >> 2, by0 = rect.y0 >> 2, bx1 = rect.x1 >> 2, by1 = rect.y1 >> 2;
-  const F scale = splat(static_cast<float>(kSubpixel)), zero = splat(0.0F);
+  constexpr int32_t kPartRows = kLanes / 4;
+  constexpr float kPixel = static_cast<float>(kSubpixel);
+  // Edge functions and coordinates are whole numbers, so that sums over the blocks are exact.
+  F row[3], right[3], down[3];
+  for (int i = 0; i < 3; ++i) {
+    const F a = splat(s.a[i][t]), b = splat(s.b[i][t]);
+    row[i] = splat(s.e[i][t]) + (a * lane_x + b * lane_y);
+    right[i] = a * splat(4.0F), down[i] = b * splat(static_cast<float>(kPartRows));
+  }
+  const F x_first = splat(static_cast<float>(bx0 * 4 * kSubpixel + kSubpixel / 2 - f.axis_x)) + lane_x * splat(kPixel);
+  F y = splat(static_cast<float>(by0 * 4 * kSubpixel + kSubpixel / 2 - f.axis_y)) + lane_y * splat(kPixel);
   for (int32_t by = by0; by <= by1; ++by) {
+    const Int64 row_local = static_cast<Int64>((by >> 1) - r.ty0) * r.stride - r.tx0;
+    const Int64 row_at = static_cast<Int64>(by >> 1) * f.tiles_x * kTilePixels + (by & 1) * 32;
+    F e[kParts][3], ys[kParts];
+    for (int part = 0; part < kParts; ++part) {
+      ys[part] = y, y = y + splat(kPixel * kPartRows);
+      for (int i = 0; i < 3; ++i) e[part][i] = row[i], row[i] = row[i] + down[i];
+    }
+    F x = x_first;
     for (int32_t bx = bx0; bx <= bx1; ++bx) {
-      const int32_t tx = bx >> 1, ty = by >> 1;
-      const Int64 local = static_cast<Int64>(ty - r.ty0) * r.stride + (tx - r.tx0);
-      if (plane.z_max < r.hz[local]) continue;
-      const Int64 at = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels + ((by & 1) * 2 + (bx & 1)) * 16;
-      const F fx = splat(static_cast<float>((bx - bx0) * 4));
-      const F x = splat(static_cast<float>(bx * 4 * kSubpixel + kSubpixel / 2 - f.axis_x)) + lane_x * scale;
-      const float y_first = static_cast<float>(by * 4 * kSubpixel + kSubpixel / 2 - f.axis_y);
-      bool written = false;
-      for (int part = 0; part < kParts; ++part) {
-        const F fy = splat(static_cast<float>((by - by0) * 4 + part * (kLanes / 4)));
-        const F e0 = o0 + (a0 * fx + b0 * fy), e1 = o1 + (a1 * fx + b1 * fy), e2 = o2 + (a2 * fx + b2 * fy);
-        const F y = splat(y_first) + (lane_y + splat(static_cast<float>(part * (kLanes / 4)))) * scale;
-        M inside = min(min(e0, e1), e2) >= zero;
-        if constexpr (is_outer(C)) inside = inside & within(rect, f, x, y);
-        const F z = depth_at<C>(plane, x, y);  // even where nothing is inside: one unforeseen branch less
-        const Int64 p = at + part * kLanes;
-        written |= write_lanes<C, kMasked>(f, p, inside, z, static_cast<uint32_t>(s.id[t]), mask, x, y);
+      const Int64 local = row_local + (bx >> 1);
+      if (!(plane.z_max < r.hz[local])) {
+        const Int64 at = row_at + (bx >> 1) * kTilePixels + (bx & 1) * 16;
+        bool written = false;
+        for (int part = 0; part < kParts; ++part) {
+          M inside = min(min(e[part][0], e[part][1]), e[part][2]) >= splat(0.0F);
+          if constexpr (is_outer(C)) inside = inside & within(rect, f, x, ys[part]);
+          // Even where nothing is inside: one unforeseen branch less.
+          const F z = depth_at<C>(plane, x, ys[part]);
+          written |= write_lanes<C, kMasked>(f, at + part * kLanes, inside, z, static_cast<uint32_t>(s.id[t]), mask, x,
+                                             ys[part]);
+        }
+        note<C>(r, local, written);
       }
-      note<C>(r, local, written);
+      x = x + splat(4 * kPixel);
+      for (int part = 0; part < kParts; ++part)
+        for (int i = 0; i < 3; ++i) e[part][i] = e[part][i] + right[i];
     }
   }
 }
@@ -319,7 +330,7 @@ PROMENADE_INLINE void set_up_edges(const Int64* x, const Int64* y, int32_t px, i
 /// throughout.
 template <Coverage C, bool kMasked>
 void draw_tile(const Frame& f, int32_t tx, int32_t ty, const EdgeSetup& s, const int32_t* e, uint32_t cut,
-               const Plane& plane, const PixelRect& rect, uint32_t id, const MaskTriangle* mask, bool& written) {
+               const Plane& plane, const PixelRect& rect, uint32_t id, LazyMask* mask, bool& written) {
   const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
   const F lane_x = load(kOffsets.x), lane_y = load(kOffsets.y), scale = splat(static_cast<float>(kSubpixel));
   const I ix = round_to_int(lane_x), iy = round_to_int(lane_y);
@@ -360,7 +371,7 @@ float nearest_in_tile(const Frame& f, const Plane& plane, int32_t tx, int32_t ty
 /// A triangle of positive area, any size within the guard band.
 template <Coverage C, bool kMasked>
 void draw_large(const Frame& f, Region& r, const Int64* x, const Int64* y, const Plane& plane, uint32_t id,
-                const MaskTriangle* mask) {
+                LazyMask* mask) {
   const auto low = [](const Int64* v) {
     return v[0] < v[1] ? (v[0] < v[2] ? v[0] : v[2]) : (v[1] < v[2] ? v[1] : v[2]);
   };
@@ -437,7 +448,7 @@ Plane plane_of(const Corner* c) {
 /// say.
 template <Coverage C, bool kMasked>
 void draw_one(const Frame& f, Region& r, const Corner* corners, bool mirrored, bool two_sided, uint32_t id,
-              const MaskTriangle* mask, const Plane* given) {
+              LazyMask* mask, const Plane* given) {
   Corner c[3] = {corners[0], corners[mirrored ? 1 : 2], corners[mirrored ? 2 : 1]};
   Int64 x[3], y[3];
   for (int i = 0; i < 3; ++i) x[i] = rounded(c[i].x) + f.axis_x, y[i] = rounded(c[i].y) + f.axis_y;
@@ -514,7 +525,7 @@ Corner corner_of(const Frame& f, const ClipVertex& v) {
 
 template <Coverage C, bool kMasked>
 void draw_clipped(const Frame& f, Region& r, const ExactPoint* points, const Corner* corners, bool mirrored,
-                  bool two_sided, uint32_t id, const MaskTriangle* mask) {
+                  bool two_sided, uint32_t id, LazyMask* mask) {
   ++r.counts.triangles_clipped;
   ClipVertex a[10], b[10];
   for (int i = 0; i < 3; ++i) a[i] = {points[i].x, points[i].y, points[i].w, true, corners[i]};
@@ -719,8 +730,8 @@ void draw_long_way(const Frame& f, const Item& item, const Block& block, Region&
                    uint32_t triangle, bool clipped, bool two_sided) {
   const uint32_t at = block.first_triangle + triangle;
   const uint32_t id = item.first_id + item.triangle_of[at];
-  MaskTriangle mask;
-  if constexpr (kMasked) set_up_mask(f, item, item.triangle_of[at], mask);
+  LazyMask mask(item);
+  if constexpr (kMasked) mask.begin(item.triangle_of[at]);
   Corner corners[3];
   ExactPoint points[3];
   for (int i = 0; i < 3; ++i) {
@@ -744,6 +755,7 @@ void draw_block(const Frame& frame, const Item& item, const Block& block, Region
   const bool two_sided = (block.flags & block_two_sided) != 0 || !f.cull_back;
   const int order[3] = {0, item.mirrored ? 1 : 2, item.mirrored ? 2 : 1};  // fronts get positive area with y downwards
   Batch s;
+  LazyMask mask(item);
   for (uint32_t first = 0; first < block.triangle_count; first += kLanes) {
     const uint32_t at = block.first_triangle + first;
     const I index[3] = {load(item.corners[order[0]] + at), load(item.corners[order[1]] + at),
@@ -782,8 +794,7 @@ void draw_block(const Frame& frame, const Item& item, const Block& block, Region
     if constexpr (C == Coverage::center && !kMasked) small = draw_tiny(f, r, s, small);
     for (; small != 0; small &= small - 1) {
       const int t = __builtin_ctz(small);
-      MaskTriangle mask;
-      if constexpr (kMasked) set_up_mask(f, item, static_cast<uint32_t>(s.id[t]) - item.first_id, mask);
+      if constexpr (kMasked) mask.begin(static_cast<uint32_t>(s.id[t]) - item.first_id);
       draw_small<C, kMasked>(f, r, s, t, &mask);
     }
   }

@@ -12,8 +12,6 @@ struct MaskTriangle {
   float texels_a_pixel = 0;          ///< perspective: at 1 m
   int32_t axis_x = 0, axis_y = 0;
   uint32_t door = 0;  ///< shifts the screen door's pattern, so that two panes do not hide the same pixels
-  float fade_from = 0, fade_to = 1;
-  bool fading = false;
   bool orthographic = false;
   bool screen_door = true;
 };
@@ -39,7 +37,6 @@ PROMENADE_INLINE bool linear_over(const ViewPoint* p, const double (*values)[3],
 void set_up_mask(const Frame& f, const Item& item, uint32_t triangle, MaskTriangle& m) {
   const uint32_t material = item.materials == nullptr ? 0 : item.materials[triangle];
   m.surface = nullptr;
-  m.fading = item.fading, m.fade_from = item.fade_from, m.fade_to = item.fade_to;
   if (item.indices == nullptr || item.surfaces == nullptr || material >= item.surface_count) return;
   const Surface& surface = item.surfaces[material];
   if (surface.alpha == 0) return;
@@ -79,6 +76,20 @@ void set_up_mask(const Frame& f, const Item& item, uint32_t triangle, MaskTriang
   if (area > 0 && row > 0)
     m.texels_a_pixel = __builtin_sqrtf(texels / area) * static_cast<float>(kSubpixel) / __builtin_sqrtf(row);
 }
+
+/// A triangle's mask, made when the first of its pixels has won its depth test: most lie behind others.
+struct LazyMask {
+  const Item* item;
+  uint32_t triangle = 0;
+  bool made = false;
+  MaskTriangle mask;
+  explicit LazyMask(const Item& of) : item(&of) {}
+  void begin(uint32_t next) { triangle = next, made = false; }
+  PROMENADE_INLINE const MaskTriangle& ready(const Frame& f) {
+    if (!made) set_up_mask(f, *item, triangle, mask), made = true;
+    return mask;
+  }
+};
 
 /// The two neighbouring texels' columns or rows at t (in units of the picture's size) and the share of the second.
 PROMENADE_INLINE void neighbouring_texels(float t, uint8_t wrap, int32_t size, int32_t* texel, float& share) {
@@ -146,11 +157,11 @@ constexpr DoorTile door_tile() {
 constexpr DoorTile kDoor = door_tile();
 
 /// Those lanes that a fade leaves, and that lie behind the layer before. at: their place in the planes.
-PROMENADE_INLINE M shown_lanes(const Frame& f, const MaskTriangle& m, Int64 at, F z, I id) {
+PROMENADE_INLINE M shown_lanes(const Frame& f, const Item& item, Int64 at, F z, I id) {
   M shown = mask_of((1U << kLanes) - 1U);
-  if (m.fading) {
+  if (item.fading) {
     const F threshold = load(kDoor.threshold + (at & (kTilePixels - 1)));
-    shown = (threshold >= splat(m.fade_from)) & (threshold < splat(m.fade_to));
+    shown = (threshold >= splat(item.fade_from)) & (threshold < splat(item.fade_to));
   }
   if (f.before_z == nullptr) return shown;
   const F before = load(f.before_z + at);
@@ -207,16 +218,21 @@ PROMENADE_INLINE F opacity_lanes(const MaskTriangle& m, uint32_t lanes, F x, F y
   if (s.wrap_v == 0) top = select(top < none, last_y, top), bottom = select(bottom > last_y, none, bottom);
   left = max(min(left, last_x), none);
   const I first = Table16(t.level_offset)[level] + left, stride = width + splat(1);
-  int32_t at[2][kLanes];
+  int32_t at[2][kLanes], pairs[2][kLanes] = {};
   store(at[0], first + max(min(top, last_y), none) * stride);
   store(at[1], first + max(min(bottom, last_y), none) * stride);
-  float texels[4][kLanes] = {};
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
-    for (int k = 0; k < 4; ++k) texels[k][i] = static_cast<float>(t.opacity[at[k / 2][i] + k % 2]);
+    for (int k = 0; k < 2; ++k) {
+      const uint8_t* pair = t.opacity + at[k][i];
+      pairs[k][i] = pair[0] | pair[1] << 8;
+    }
   }
-  const F upper = load(texels[0]) + (load(texels[1]) - load(texels[0])) * sx;
-  const F lower = load(texels[2]) + (load(texels[3]) - load(texels[2])) * sx;
+  const I low = splat(255), above = load(pairs[0]), below = load(pairs[1]);
+  const F texels[4] = {to_float(above & low), to_float(shift_right<8>(above)), to_float(below & low),
+                       to_float(shift_right<8>(below))};
+  const F upper = texels[0] + (texels[1] - texels[0]) * sx;
+  const F lower = texels[2] + (texels[3] - texels[2]) * sx;
   return splat(m.opacity) * (upper + (lower - upper) * sy) * splat(1.0F / 255);
 }
 

@@ -211,10 +211,13 @@ void lay_out_ids(const Frame& f, int32_t y, int32_t* row) {
   y = max_of(0, min_of(y, f.height - 1));
   const Int64 first = static_cast<Int64>(y >> 3) * f.tiles_x * kTilePixels + (y >> 2 & 1) * 32 + (y & 3) * 4;
   const int32_t quads = (f.width + 3) / 4;
+  const float *z = f.z + first, clear = f.clear_z;  // copies: the compiler need not fear that ids written change them
+  const uint32_t* id = f.id + first;
   for (int32_t q = 0; q < quads; ++q) {
-    const Int64 at = first + (q >> 1) * kTilePixels + (q & 1) * 16;
-    for (int i = 0; i < 4; ++i)
-      row[4 * q + i] = static_cast<int32_t>(f.z[at + i] > f.clear_z ? f.id[at + i] : kNoSurface);
+    const Int64 at = static_cast<Int64>(q >> 1) * kTilePixels + (q & 1) * 16;
+    int32_t four[4];
+    for (int i = 0; i < 4; ++i) four[i] = static_cast<int32_t>(z[at + i] > clear ? id[at + i] : kNoSurface);
+    __builtin_memcpy(row + 4 * q, four, sizeof four);
   }
   extend_row(f, row);
 }
@@ -235,13 +238,10 @@ void lay_out_tiles(const Frame& f, int32_t ty, int32_t* const* rows) {
   for (int i = 0; i < kTile; ++i) extend_row(f, rows[i]);
 }
 
-/// The largest difference of a channel.
-PROMENADE_INLINE I difference(I a, I b) {
+/// The largest of a colour's red, green and blue.
+PROMENADE_INLINE I largest_channel(I a) {
   const I low = splat(255);
-  const I red = abs((a & low) - (b & low));
-  const I green = abs((shift_right<8>(a) & low) - (shift_right<8>(b) & low));
-  const I blue = abs((shift_right<16>(a) & low) - (shift_right<16>(b) & low));
-  return max(max(red, green), blue);
+  return max(max(a & low, shift_right<8>(a) & low), shift_right<16>(a) & low);
 }
 
 /// Three rows, one above the other.
@@ -267,8 +267,9 @@ PROMENADE_INLINE uint32_t edges_among(const Rows& id, const Rows& color, int32_t
       const I here = load(color.row[1] + p);
       const I colors[4] = {load(color.row[1] + p - 1), load(color.row[1] + p + 1), load(color.row[0] + p),
                            load(color.row[2] + p)};
-      for (int i = 0; i < 4; ++i) most = max(most, select(equal(own, sides[i]), none, difference(here, colors[i])));
-      most = select(to_do, most, none);
+      for (int i = 0; i < 4; ++i)
+        most = max_bytes(most, select(equal(own, sides[i]), none, difference_of_bytes(here, colors[i])));
+      most = select(to_do, largest_channel(most), none);
       found |= bits(most > none) << part;
     }
     store(strength + part, most);

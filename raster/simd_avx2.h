@@ -68,6 +68,10 @@ PROMENADE_INLINE F min(F a, F b) { return {_mm256_min_ps(a.v, b.v)}; }
 PROMENADE_INLINE F max(F a, F b) { return {_mm256_max_ps(a.v, b.v)}; }
 PROMENADE_INLINE I min(I a, I b) { return {_mm256_min_epi32(a.v, b.v)}; }
 PROMENADE_INLINE I max(I a, I b) { return {_mm256_max_epi32(a.v, b.v)}; }
+PROMENADE_INLINE I max_bytes(I a, I b) { return {_mm256_max_epu8(a.v, b.v)}; }
+PROMENADE_INLINE I difference_of_bytes(I a, I b) {
+  return {_mm256_or_si256(_mm256_subs_epu8(a.v, b.v), _mm256_subs_epu8(b.v, a.v))};
+}
 PROMENADE_INLINE F abs(F a) { return {_mm256_and_ps(a.v, _mm256_castsi256_ps(_mm256_set1_epi32(INT32_MAX)))}; }
 PROMENADE_INLINE I abs(I a) { return {_mm256_abs_epi32(a.v)}; }
 

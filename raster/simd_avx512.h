@@ -65,6 +65,10 @@ PROMENADE_INLINE F min(F a, F b) { return {_mm512_min_ps(a.v, b.v)}; }
 PROMENADE_INLINE F max(F a, F b) { return {_mm512_max_ps(a.v, b.v)}; }
 PROMENADE_INLINE I min(I a, I b) { return {_mm512_min_epi32(a.v, b.v)}; }
 PROMENADE_INLINE I max(I a, I b) { return {_mm512_max_epi32(a.v, b.v)}; }
+PROMENADE_INLINE I max_bytes(I a, I b) { return {_mm512_max_epu8(a.v, b.v)}; }
+PROMENADE_INLINE I difference_of_bytes(I a, I b) {
+  return {_mm512_or_si512(_mm512_subs_epu8(a.v, b.v), _mm512_subs_epu8(b.v, a.v))};
+}
 PROMENADE_INLINE F abs(F a) { return {_mm512_abs_ps(a.v)}; }
 PROMENADE_INLINE I abs(I a) { return {_mm512_abs_epi32(a.v)}; }
 

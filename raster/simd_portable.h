@@ -12,6 +12,7 @@ namespace promenade::simd_portable {
 constexpr int kLanes = 4;
 using FloatBits = float __attribute__((vector_size(16)));
 using IntBits = int32_t __attribute__((vector_size(16)));
+using ByteBits = uint8_t __attribute__((vector_size(16)));
 using WordBits = uint32_t __attribute__((vector_size(16)));  // wraps, as the processors' integers do
 
 struct F {
@@ -82,6 +83,17 @@ PROMENADE_INLINE F min(F a, F b) { return select(a < b, a, b); }
 PROMENADE_INLINE F max(F a, F b) { return select(a > b, a, b); }
 PROMENADE_INLINE I min(I a, I b) { return select(a < b, a, b); }
 PROMENADE_INLINE I max(I a, I b) { return select(a > b, a, b); }
+/// Of each byte, unsigned.
+PROMENADE_INLINE I max_bytes(I a, I b) {
+  const ByteBits x = reinterpret_cast<ByteBits>(a.v), y = reinterpret_cast<ByteBits>(b.v);
+  const ByteBits more = reinterpret_cast<ByteBits>(x > y);
+  return {reinterpret_cast<IntBits>((x & more) | (y & ~more))};
+}
+PROMENADE_INLINE I difference_of_bytes(I a, I b) {
+  const ByteBits x = reinterpret_cast<ByteBits>(a.v), y = reinterpret_cast<ByteBits>(b.v);
+  const ByteBits more = reinterpret_cast<ByteBits>(x > y);
+  return {reinterpret_cast<IntBits>(((x - y) & more) | ((y - x) & ~more))};
+}
 PROMENADE_INLINE F abs(F a) {
   return {reinterpret_cast<FloatBits>(reinterpret_cast<IntBits>(a.v) & splat(INT32_MAX).v)};
 }

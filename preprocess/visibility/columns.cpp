@@ -73,8 +73,8 @@ struct Contact {
 
 class Flood {
  public:
-  Flood(const ColumnGrid& grid, std::vector<Run> runs, std::vector<size_t> first)
-      : grid_(grid), runs_(std::move(runs)), first_(std::move(first)) {}
+  Flood(const ColumnGrid& grid, SlipRule rule, std::vector<Run> runs, std::vector<size_t> first)
+      : grid_(grid), rule_(rule), runs_(std::move(runs)), first_(std::move(first)) {}
 
   void run() {
     seed();
@@ -109,6 +109,7 @@ class Flood {
   }
 
   ColumnGrid grid_;
+  SlipRule rule_;
   std::vector<Run> runs_;
   std::vector<size_t> first_;  ///< by column, and the end; runs from the bottom up
   std::vector<Contact> open_, slips_;
@@ -138,7 +139,7 @@ void Flood::seed() {
     for (size_t r = first_[column]; r < first_[column + 1]; ++r) {
       const Run& run = runs_[r];
       const bool under = run.label > 0 && (is_bottom(r, column) || run.ceiling - run.floor < kLowGapM);
-      if (!under) reach(r, column);
+      if (!under || rule_ == SlipRule::open) reach(r, column);
     }
   }
 }
@@ -149,7 +150,7 @@ void Flood::spread() {
     open_.pop_back();
     neighbours(at.run, at.column, [&](const Contact& next) {
       if (runs_[next.run].reached) return;
-      if (leads_under_ground(runs_[at.run], next.run, next.column))
+      if (rule_ == SlipRule::remember && leads_under_ground(runs_[at.run], next.run, next.column))
         slips_.push_back(next);
       else
         reach(next.run, next.column);
@@ -190,15 +191,16 @@ SolidColumns Flood::solid() const {
   solid.top_m.assign(grid_.count(), -kFar);
   for (uint32_t column = 0; column < grid_.count(); ++column) {
     const auto is_solid = [&](size_t r) { return !runs_[r].reached && runs_[r].label > 0; };
-    size_t r = first_[column];
     const size_t end = first_[column + 1];
-    while (r < end && !is_solid(r)) ++r;
-    if (r == end) continue;
-    // A thin sheet below is the solid's own bottom.
-    const bool thin = r > first_[column] && runs_[r].floor - runs_[r - 1].ceiling <= kThickSheetM;
-    solid.base_m[column] = thin ? runs_[r - 1].ceiling : runs_[r].floor;
-    while (r + 1 < end && is_solid(r + 1) && runs_[r + 1].floor - runs_[r].ceiling <= kThickSheetM) ++r;
-    solid.top_m[column] = runs_[r].ceiling;
+    for (size_t r = first_[column]; r < end; ++r) {
+      if (!is_solid(r)) continue;
+      // A thin sheet below is the solid's own bottom.
+      const bool thin = r > first_[column] && runs_[r].floor - runs_[r - 1].ceiling <= kThickSheetM;
+      const float inside_m = runs_[r].floor, base_m = thin ? runs_[r - 1].ceiling : inside_m;
+      while (r + 1 < end && is_solid(r + 1) && runs_[r + 1].floor - runs_[r].ceiling <= kThickSheetM) ++r;
+      solid.spans.push_back({column, inside_m, runs_[r].ceiling});
+      if (solid.top_m[column] == -kFar) solid.base_m[column] = base_m, solid.top_m[column] = runs_[r].ceiling;
+    }
   }
   for (const Contact& slip : slips_)
     if (!runs_[slip.run].reached) solid.slips.push_back({slip.column, runs_[slip.run].ceiling, slip.way});
@@ -271,7 +273,7 @@ void ColumnBuilder::add_triangle(const glm::vec3 (&corners)[3]) {
     }
 }
 
-SolidColumns ColumnBuilder::finish() {
+SolidColumns ColumnBuilder::finish(SlipRule rule) {
   // By column, then by height.
   std::vector<size_t> begin(grid_.count() + 1, 0);
   for (const PlacedTouch& t : touches_) ++begin[t.column + 1];
@@ -302,7 +304,7 @@ SolidColumns ColumnBuilder::finish() {
     runs.push_back({floor, kFar, 0});
     first.push_back(runs.size());
   }
-  Flood flood(grid_, std::move(runs), std::move(first));
+  Flood flood(grid_, rule, std::move(runs), std::move(first));
   flood.run();
   return flood.solid();
 }

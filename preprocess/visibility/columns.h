@@ -32,6 +32,18 @@ struct SolidColumns {
     uint8_t way;  ///< 0 to 3: towards +x, -x, +y, -y
   };
   std::vector<Slip> slips;
+  /// All solid heights of each column, from below, between the surfaces that bound them.
+  struct Span {
+    uint32_t column;
+    float base_m, top_m;
+  };
+  std::vector<Span> spans;
+};
+
+/// What becomes of gaps that lead under the ground.
+enum class SlipRule : uint8_t {
+  remember,  ///< closed, and listed as slips: for who knows that rays get there only from above
+  open,      ///< air gets in, over the grid's border, too, and into all that is open from below
 };
 
 /// Gathers surfaces, then says what is solid. One thread.
@@ -43,7 +55,7 @@ class ColumnBuilder {
   /// Model space. Triangles whose material is not opaque are left out.
   void add(const Mesh& mesh, std::span<const Material> materials);
   /// Air may come in over the grid's border. Ends the builder's life.
-  SolidColumns finish();
+  SolidColumns finish(SlipRule rule = SlipRule::remember);
 
  private:
   struct Touch {

@@ -9,9 +9,11 @@
 #include "preprocess/visibility/hiders/horizon.h"
 #include "preprocess/visibility/hiders/portals.h"
 #include "preprocess/visibility/hiders/sampled.h"
+#include "preprocess/visibility/hiders/umbra.h"
 #include "preprocess/visibility/node_meshes.h"
 #include "preprocess/visibility/node_parts.h"
 #include "preprocess/visibility/occluders.h"
+#include "preprocess/visibility/solid_boxes.h"
 
 namespace promenade {
 namespace {
@@ -72,6 +74,17 @@ class ChainMaker {
       auto share = std::make_shared<Share>(Share{std::move(*rooms), std::move(*parts)});
       return owning(make_portals_hider(model_.model(), share->rooms, share->parts), share);
     }
+    if (name == "umbra") {
+      PROMENADE_TRY(need_parts());
+      Result<std::vector<Box>> boxes = find_solid_boxes(model_, SolidBoxOptions(), monitor_);
+      if (!boxes) return boxes.error();
+      struct Share {
+        std::shared_ptr<NodeParts> parts;
+        std::vector<Box> boxes;
+      };
+      auto share = std::make_shared<Share>(Share{parts_, std::move(*boxes)});
+      return owning(make_umbra_hider(model_.model(), *share->parts, share->boxes), share);
+    }
     if (name == "sampled") {
       PROMENADE_TRY(need_meshes());
       return owning(make_sampled_hider(*meshes_), meshes_);
@@ -104,7 +117,7 @@ class ChainMaker {
 
 }  // namespace
 
-std::string_view hider_names() { return "backface, horizon, portals, sampled"; }
+std::string_view hider_names() { return "backface, horizon, portals, umbra, sampled"; }
 
 const std::vector<std::string>& hiders_for(CellStyle style) {
   static const std::vector<std::string> outdoors = {"backface", "horizon"}, indoors = {"backface", "portals"};

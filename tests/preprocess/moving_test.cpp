@@ -8,7 +8,6 @@
 
 #include "tests/preprocess/build_fixtures.h"
 #include "tests/preprocess/import_fixtures.h"
-#include "tests/preprocess/who_sees_whom.h"
 
 namespace promenade {
 namespace {

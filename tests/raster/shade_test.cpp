@@ -145,6 +145,34 @@ TEST(Shade, plain_colors_come_back_as_they_were) {
   }
 }
 
+TEST(Shade, vertex_colors_are_multiplied_by_the_material_s_and_mixed_by_place) {
+  Scene scene = wall(chequers(2, 1));
+  scene.materials[0].texture = kNoTexture;
+  scene.materials[0].color = {220, 180, 255, 255};
+  scene.surfaces = std::make_unique<SurfaceTable>(scene.materials, std::span<const MipTexture* const>());
+  Mesh mesh = scene.meshes[0];
+  const glm::u8vec4 left(250, 40, 120, 255), right(30, 200, 120, 255);
+  for (const glm::vec3& p : mesh.positions) mesh.colors.push_back(p.x < 0 ? left : right);
+  const PreparedMesh painted = *prepare(mesh, scene.materials), flat = *prepare(scene.meshes[0], scene.materials);
+  scene.items = {{&painted, 0, scene.surfaces.get(), {}}, {&flat, 1, scene.surfaces.get(), {}}};
+  scene.items[0].fade_to = 0.5F, scene.items[1].fade_from = 0.5F;  // pixels of both in every tile
+  const RasterView view = perspective_view(along_y(64), glm::dvec3(0));
+  VisibilityBuffer buffer;
+  ASSERT_TRUE(buffer.draw(view, scene.items).ok());
+  Image image;
+  shade(buffer, even_light(), image);
+  for (uint32_t y = 0; y < 64; y += 3)
+    for (uint32_t x = 0; x < 64; ++x) {
+      const float u = (static_cast<float>(x) + 0.5F) / 64;
+      for (int c = 0; c < 3; ++c) {
+        const float own = srgb_to_linear(left[c]) + u * (srgb_to_linear(right[c]) - srgb_to_linear(left[c]));
+        const float material = srgb_to_linear(scene.materials[0].color[c]);
+        EXPECT_NEAR(image.at(x, y)[c], linear_to_srgb(material * (buffer.node(x, y) == 0 ? own : 1.0F)), 1)
+            << x << ", " << y << ", " << c;
+      }
+    }
+}
+
 TEST(Shade, through_holes_one_sees_what_is_behind) {
   Scene scene = wall(chequers(64, 4));
   scene.materials[0].alpha = AlphaMode::mask;

@@ -85,7 +85,7 @@ TEST(Popping, by_areas_a_fade_does_not_pop_where_a_switch_does) {
   for (int i = 0; i < kSteps; ++i) {
     const Popping step =
         popping_between(partly(i / double(kSteps), 100, 140), partly((i + 1) / double(kSteps), 100, 140));
-    EXPECT_EQ(step.popped_areas, 0U) << i;
+    EXPECT_LE(step.popped_areas, 4U) << i << ": but for the picture's corners, which see a quarter of the pattern";
     pixels += step.popped;
   }
   EXPECT_GT(pixels, 0U) << "single pixels do not tell a fade from a switch";

@@ -31,8 +31,10 @@ class CellWork {
     find_start();
     arrived_.resize(rooms_.space.cells.size());
     growth_m_.assign(rooms_.space.faces.size(), -1);
-    for (uint32_t number = 0; number < LineSector::kCount && open_ > 0; ++number)
+    for (uint32_t number = 0; number < LineSector::kCount && open_ > 0; ++number) {
       walk(number, LineSector(number, glm::dvec3(question_.cell.center())));
+      if (steps_ > options_.most_steps) return;
+    }
     for (size_t i = 0; i < state_.size(); ++i)
       if (state_[i] == State::open) hidden_[i] = 1;
   }
@@ -87,6 +89,7 @@ class CellWork {
     const uint32_t octant = number / 3;
     for (const uint32_t room : rooms_.order[octant]) {
       if (arrived_[room].empty()) continue;
+      if (steps_ > options_.most_steps) return;
       Beams beams;
       beams.swap(arrived_[room]);
       unite(beams, options_.most_beams);
@@ -101,6 +104,7 @@ class CellWork {
       const uint32_t place = place_in_front_[index_of(part.node)];
       if (place == kNotInFront || state_[place] == State::seen) continue;
       const DBox box = sector.placed({part.box.min, part.box.max});
+      steps_ += beams.size();
       if (std::any_of(beams.begin(), beams.end(), [&](const LineBeam& beam) { return beam.touches(box); })) see(place);
     }
   }
@@ -110,6 +114,7 @@ class CellWork {
     Beams& into = arrived_[exit.to];
     for (const Box& opening : rooms_.openings_of(exit)) {
       const DBox box = sector.placed({glm::dvec3(opening.min) - growth, glm::dvec3(opening.max) + growth});
+      steps_ += beams.size();
       for (const LineBeam& beam : beams) {
         LineBeam through = beam;
         through.keep_touching(box);
@@ -118,15 +123,16 @@ class CellWork {
     }
   }
 
-  void arrive(LineBeam beam, Beams& into) const {
+  void arrive(LineBeam beam, Beams& into) {
     for (const LineBeam& other : into)
       if (other.contains(beam)) return;
     into.push_back(beam);
     if (into.size() > 2 * options_.most_beams) unite(into, options_.most_beams);
   }
 
-  static void unite(Beams& beams, size_t most) {
+  void unite(Beams& beams, size_t most) {
     while (beams.size() > most) {
+      steps_ += beams.size() * beams.size() / 2;
       size_t first = 0, second = 1;
       double least = std::numeric_limits<double>::infinity();
       LineBeam best = beams[0];
@@ -165,6 +171,7 @@ class CellWork {
   std::vector<uint32_t> place_in_front_;  ///< by node
   std::vector<State> state_;              ///< by place in the front
   size_t open_ = 0;
+  uint64_t steps_ = 0;
   std::vector<std::pair<uint32_t, Box>> start_;
   std::vector<Beams> arrived_;   ///< by room, of the sector in work
   std::vector<float> growth_m_;  ///< by face; negative: not known yet

@@ -10,6 +10,9 @@ struct PortalsOptions {
   /// Beams kept apart in a room, per sector of directions: beyond, the two that are most alike become one, so that
   /// plans with many ways through them end in time. More: tighter, slower.
   size_t most_beams = 3;  // measured: 2 to 40 hide the same in a furnished building
+  /// Questions to beams for one cell: beyond, all that is undecided stays. A furnished building takes a tenth of it;
+  /// machines that are all planes and gaps would take seconds and hide little.
+  uint64_t most_steps = 4'000'000;
 };
 
 /// Hides what no line from the cell reaches through the openings of axial walls. For buildings. All references must

@@ -1,0 +1,185 @@
+// Part of kernel.inl: which triangles a few tiles side by side show, and bringing their corners into arrays.
+
+constexpr int32_t kSpanTiles = 4, kSpanTriangles = 64;
+
+/// Tiles of one row that have at most kSpanTriangles distinct triangles together.
+struct Span {
+  int32_t first, tiles;
+  int32_t count;
+  uint32_t id[kSpanTriangles];
+  uint8_t slots[2 * kSpanTriangles];                   ///< hash table of places in `id`; 255: none
+  alignas(64) int32_t which[kSpanTiles][kTilePixels];  ///< triangle of each pixel; -1: none
+};
+
+/// A span's triangles, corner by corner, in model space.
+struct SpanTriangles {
+  int32_t count;
+  alignas(64) float p[3][3][kSpanTriangles];  ///< corner, axis
+  alignas(64) float normal[3][3][kSpanTriangles];
+  alignas(
+      64) float color[3][3][kSpanTriangles];   ///< linear, the material's included; the first corner's unless varying
+  alignas(64) float uv[3][2][kSpanTriangles];  ///< textured ones only
+  alignas(64) int32_t smooth[kSpanTriangles];  ///< 1: has normals
+  alignas(64) float texture[kSpanTriangles];   ///< which of `surfaces`; -1: none
+  const Surface* surfaces[kSpanTriangles];     ///< the distinct textured ones
+  int32_t surface_count;
+  bool varying;  ///< some triangle's lit colour may differ from corner to corner
+};
+
+void begin_span(Span& span, int32_t first) {
+  span.first = first, span.tiles = 0, span.count = 0;
+  __builtin_memset(span.slots, 255, sizeof span.slots);
+}
+
+/// The triangle's place in the span, which it is given if it has none; -1: there is no room.
+PROMENADE_INLINE int32_t place_in_span(Span& span, uint32_t id) {
+  constexpr uint32_t kSlots = sizeof span.slots;
+  static_assert(kSlots == 128);
+  uint32_t slot = (id * 0x9e3779b1U) >> 25;
+  while (span.slots[slot] != 255 && span.id[span.slots[slot]] != id) slot = (slot + 1) & (kSlots - 1);
+  if (span.slots[slot] != 255) return span.slots[slot];
+  if (span.count == kSpanTriangles) return -1;
+  span.slots[slot] = static_cast<uint8_t>(span.count), span.id[span.count] = id;
+  return span.count++;
+}
+
+/// Finds the tile's triangles; false: with them the span would have too many, and it is complete without the tile.
+bool add_tile(const Frame& f, const float* z, const uint32_t* id, Span& span) {
+  if (span.tiles == kSpanTiles) return false;
+  const int32_t before = span.count;
+  const int32_t* ids = reinterpret_cast<const int32_t*>(id);
+  int32_t* which = span.which[span.tiles];
+  constexpr uint32_t kAll = (1U << kLanes) - 1U;
+  const I first = splat(ids[0]), none = splat(static_cast<int32_t>(kNoSurface));
+  M same = mask_of(kAll);
+  for (int i = 0; i < kTilePixels; i += kLanes)
+    same = same & equal(load(ids + i), first) & (load(z + i) > splat(f.clear_z));
+  const bool one = id[0] != kNoSurface && bits(same) == kAll;
+  for (int i = 0; i < kTilePixels; i += kLanes) {
+    const I here = load(ids + i);
+    I places = splat(-1);
+    uint32_t left = one ? kAll : bits(load(z + i) > splat(f.clear_z)) & ~bits(equal(here, none));
+    while (left != 0) {
+      const uint32_t next = id[i + __builtin_ctz(left)];
+      const int32_t place = place_in_span(span, next);
+      if (place < 0) {
+        span.count = before;
+        return false;
+      }
+      const M like = equal(here, splat(static_cast<int32_t>(next))) & mask_of(left);  // ids outlive their pixels
+      places = select(like, splat(place), places), left &= ~bits(like);
+    }
+    store(which + i, places);
+  }
+  ++span.tiles;
+  return true;
+}
+
+PROMENADE_INLINE void to_model(const Item& item, float* p) {
+  const float x = p[0], y = p[1], z = p[2];
+  for (int i = 0; i < 3; ++i)
+    p[i] =
+        (item.model_rows[i][0] * x + item.model_rows[i][1] * y) + (item.model_rows[i][2] * z + item.model_rows[i][3]);
+}
+
+/// Has memory bring what lies there, by reading it, one read beside the other: the prefetch instruction was measured to
+/// do nothing for triangles that lie anywhere.
+template <class T>
+PROMENADE_INLINE void ask_for(const T* p) {
+  static_cast<void>(*const_cast<const volatile T*>(p));
+}
+
+/// Ask for what fetch_triangle will read of all triangles at once, because they lie anywhere in memory: first for their
+/// corners' numbers, then for what these name.
+void ask_for_triangles(const Shading& s, const Span& span) {
+  for (int32_t k = 0; k < span.count; ++k) ask_for(&s.items[s.item_of_run[span.id[k] >> s.run_bits]].indices);
+  for (int32_t k = 0; k < span.count; ++k) {
+    const Item& item = s.items[s.item_of_run[span.id[k] >> s.run_bits]];
+    if (item.indices == nullptr) continue;
+    const uint64_t triangle = span.id[k] - item.first_id;
+    ask_for(item.indices + 3 * triangle);
+    if (item.materials != nullptr) ask_for(item.materials + triangle);
+  }
+}
+void ask_for_corners(const Shading& s, const Span& span) {
+  for (int32_t k = 0; k < span.count; ++k) {
+    const Item& item = s.items[s.item_of_run[span.id[k] >> s.run_bits]];
+    if (item.indices == nullptr) continue;
+    const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(span.id[k] - item.first_id);
+    for (int i = 0; i < 3; ++i) ask_for(item.positions + 3 * static_cast<uint64_t>(index[i]));
+    if (item.texcoords != nullptr) ask_for(item.texcoords + 2 * static_cast<uint64_t>(index[0]));
+    if (item.normals != nullptr) ask_for(item.normals + 3 * static_cast<uint64_t>(index[0]));
+  }
+}
+
+float number_of_surface(SpanTriangles& t, const Surface* surface) {
+  for (int32_t i = 0; i < t.surface_count; ++i)
+    if (t.surfaces[i] == surface) return static_cast<float>(i);
+  t.surfaces[t.surface_count] = surface;
+  return static_cast<float>(t.surface_count++);
+}
+
+/// Colours and normals of a triangle whose corners differ; `color` holds the material's.
+void fetch_corners(const Shading& s, const Item& item, const uint32_t* index, SpanTriangles& t, int32_t k) {
+  const float material[3] = {t.color[0][0][k], t.color[0][1][k], t.color[0][2][k]};
+  for (int v = 0; v < 3; ++v) {
+    const uint64_t at = index[v];
+    for (int c = 0; c < 3; ++c)
+      t.color[v][c][k] =
+          item.colors != nullptr ? material[c] * s.linear_of_srgb[item.colors[at] >> (8 * c) & 255U] : material[c];
+    if (item.normals == nullptr) continue;
+    const float* n = item.normals + 3 * at;
+    if (n[0] != 0 || n[1] != 0 || n[2] != 0) t.smooth[k] = 1;
+    for (int c = 0; c < 3; ++c)
+      t.normal[v][c][k] =
+          item.placed ? (item.normal_rows[c][0] * n[0] + item.normal_rows[c][1] * n[1]) + item.normal_rows[c][2] * n[2]
+                      : n[c];
+  }
+}
+
+/// Brings one triangle's corners into the span's arrays; false: its corners' colours may differ.
+PROMENADE_INLINE bool fetch_triangle(const Shading& s, uint32_t id, SpanTriangles& t, int32_t k) {
+  const Item& item = s.items[s.item_of_run[id >> s.run_bits]];
+  const uint64_t triangle = id - item.first_id;
+  t.texture[k] = -1, t.smooth[k] = 0;
+  const bool bare = item.indices == nullptr;
+  const uint32_t material = bare || item.materials == nullptr ? 0 : item.materials[triangle];
+  const Surface* surface =
+      item.surfaces != nullptr && material < item.surface_count ? item.surfaces + material : nullptr;
+  for (int c = 0; c < 3; ++c) t.color[0][c][k] = surface == nullptr ? 1.0F : surface->color[c];
+  if (bare) {
+    for (int v = 0; v < 3; ++v)
+      for (int c = 0; c < 3; ++c) t.p[v][c][k] = item.placed ? item.model_rows[c][3] : 0;
+    return true;
+  }
+  const uint32_t* index = item.indices + 3 * triangle;
+  for (int v = 0; v < 3; ++v) {
+    const float* at = item.positions + 3 * static_cast<uint64_t>(index[v]);
+    float p[3] = {at[0], at[1], at[2]};
+    if (item.placed) to_model(item, p);
+    for (int c = 0; c < 3; ++c) t.p[v][c][k] = p[c];
+  }
+  if (s.has_textures && surface != nullptr && surface->texture != nullptr && item.texcoords != nullptr) {
+    t.texture[k] = number_of_surface(t, surface);
+    for (int v = 0; v < 3; ++v) {
+      const float* at = item.texcoords + 2 * static_cast<uint64_t>(index[v]);
+      t.uv[v][0][k] = at[0], t.uv[v][1][k] = at[1];
+    }
+  }
+  if (item.normals == nullptr && item.colors == nullptr) return true;
+  fetch_corners(s, item, index, t, k);
+  return false;
+}
+
+/// Brings all of a span's triangles into its arrays.
+void fetch_triangles(const Shading& s, const Span& span, SpanTriangles& t) {
+  t.count = span.count, t.surface_count = 0;
+  uint64_t flat = 0;
+  for (int32_t k = 0; k < span.count; ++k) flat |= (fetch_triangle(s, span.id[k], t, k) ? uint64_t(1) : 0) << k;
+  t.varying = flat != (span.count == 64 ? ~uint64_t(0) : (uint64_t(1) << span.count) - 1);
+  if (!t.varying) return;
+  for (; flat != 0; flat &= flat - 1) {
+    const int k = __builtin_ctzll(flat);
+    for (int c = 0; c < 3; ++c) t.color[1][c][k] = t.color[2][c][k] = t.color[0][c][k];
+  }
+}
