@@ -116,8 +116,7 @@ TEST(HalvedGrid, refined_keeps_the_bounds_everywhere_and_planes_whole) {
   }
   const float tolerance = 0.1F;
   for (const std::vector<float>* value : {&plane, &step}) {
-    for (uint32_t i = 0; i < grid.vertices(); ++i)
-      low[i] = (*value)[i] - tolerance, high[i] = (*value)[i] + tolerance;
+    for (uint32_t i = 0; i < grid.vertices(); ++i) low[i] = (*value)[i] - tolerance, high[i] = (*value)[i] + tolerance;
     std::vector<uint8_t> kept(grid.vertices(), 0);
     refine_halvings(grid, *value, low, high, kept);
     expect_tiling(grid, kept);

@@ -116,7 +116,7 @@ TEST_F(Follower, outside_draws_geometry_and_calls_nothing_missing) {
 TEST_F(Follower, wants_where_the_eye_goes_first_and_what_is_beside) {
   EXPECT_THAT(follower.wanted({0, 1, 0}, {0, 0, 0}), ElementsAre(FarCellId{5}, FarCellId{4}, FarCellId{6}));
   EXPECT_THAT(follower.wanted({0, 1, 0}, {0, 20, 0}),
-              ElementsAre(FarCellId{5}, FarCellId{6}, FarCellId{7}, FarCellId{8}, FarCellId{4}));
+              ElementsAre(FarCellId{5}, FarCellId{6}, FarCellId{7}, FarCellId{8}, FarCellId{9}, FarCellId{4}));
   EXPECT_TRUE(follower.wanted({0, 1, 900}, {0, 0, 0}).empty());
 }
 
