@@ -104,9 +104,9 @@ Range range_of(const Animation& a, const AnimationTrack& track) {
 
 Range range_of(const Animation& a, const AnimationJoint& joint, AnimationJoint::Slot slot) {
   if (joint.tracks[slot] != kNoTrack) return range_of(a, a.tracks[joint.tracks[slot]]);
-  return Range(slot == AnimationJoint::kRotation
+  return Range(slot == AnimationJoint::rotation_slot
                    ? joint.rotation
-                   : padded(slot == AnimationJoint::kScale ? joint.scale : joint.translation));
+                   : padded(slot == AnimationJoint::scale_slot ? joint.scale : joint.translation));
 }
 
 DBox scaled(const DBox& box, const Range& scale) {
@@ -197,7 +197,7 @@ std::string find_defect(const Animation& a) {
     for (size_t slot = 0; slot < joint.tracks.size(); ++slot) {
       if (joint.tracks[slot] == kNoTrack) continue;
       if (joint.tracks[slot] >= a.tracks.size() ||
-          a.tracks[joint.tracks[slot]].components != (slot == AnimationJoint::kRotation ? 4U : 3U))
+          a.tracks[joint.tracks[slot]].components != (slot == AnimationJoint::rotation_slot ? 4U : 3U))
         return where + "a track is not there, or of another kind";
     }
   }
@@ -211,9 +211,9 @@ std::vector<glm::dmat4> poses_at(const Animation& a, double time_s) {
     const auto value = [&](AnimationJoint::Slot slot, const Values& rest) {
       return joint.tracks[slot] == kNoTrack ? rest : value_at(a, a.tracks[joint.tracks[slot]], time_s);
     };
-    const Values translation = value(AnimationJoint::kTranslation, padded(joint.translation));
-    const Values scale = value(AnimationJoint::kScale, padded(joint.scale));
-    glm::dmat4 own(matrix_of(value(AnimationJoint::kRotation, joint.rotation)));
+    const Values translation = value(AnimationJoint::translation_slot, padded(joint.translation));
+    const Values scale = value(AnimationJoint::scale_slot, padded(joint.scale));
+    glm::dmat4 own(matrix_of(value(AnimationJoint::rotation_slot, joint.rotation)));
     for (int i = 0; i < 3; ++i) own[i] *= scale[static_cast<size_t>(i)];
     own[3] = glm::dvec4(translation[0], translation[1], translation[2], 1);
     const glm::dmat4 rest =
@@ -272,13 +272,13 @@ DBox swept_box(const Animation& a, uint32_t joint, const DBox& box) {
   DBox swept = box;
   for (uint32_t at = joint; at != kNoJoint && !swept.empty(); at = a.joints[at].parent) {
     const AnimationJoint& j = a.joints[at];
-    swept = scaled(swept, range_of(a, j, AnimationJoint::kScale));
-    const Range rotation = range_of(a, j, AnimationJoint::kRotation);
+    swept = scaled(swept, range_of(a, j, AnimationJoint::scale_slot));
+    const Range rotation = range_of(a, j, AnimationJoint::rotation_slot);
     if (rotation.low == rotation.high)
       swept = transformed_box(swept, glm::dmat4(matrix_of(rotation.low)));
     else
       swept = turned(swept, rotation);
-    const Range translation = range_of(a, j, AnimationJoint::kTranslation);
+    const Range translation = range_of(a, j, AnimationJoint::translation_slot);
     for (int i = 0; i < 3; ++i) {
       swept.min[i] += translation.low[static_cast<size_t>(i)];
       swept.max[i] += translation.high[static_cast<size_t>(i)];
@@ -291,7 +291,7 @@ DBox swept_box(const Animation& a, uint32_t joint, const DBox& box) {
 double largest_scale(const Animation& a, uint32_t joint) {
   double scale = 1;
   for (uint32_t at = joint; at != kNoJoint; at = a.joints[at].parent)
-    scale *= most(range_of(a, a.joints[at], AnimationJoint::kScale)) * largest_scale(a.joints[at].parent_from_rest);
+    scale *= most(range_of(a, a.joints[at], AnimationJoint::scale_slot)) * largest_scale(a.joints[at].parent_from_rest);
   return scale;
 }
 

@@ -38,7 +38,7 @@ struct AnimationJoint {
   glm::dmat4 parent_from_rest{1.0};  ///< affine
   std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
   std::array<double, 4> rotation{0, 0, 0, 1};  ///< x y z w, unit
-  enum Slot : uint8_t { kTranslation, kRotation, kScale };
+  enum Slot : uint8_t { translation_slot, rotation_slot, scale_slot };
   std::array<uint32_t, 3> tracks{kNoTrack, kNoTrack, kNoTrack};  ///< by Slot
   bool operator==(const AnimationJoint&) const = default;
 };

@@ -15,9 +15,9 @@ namespace {
 constexpr uint64_t kFreeValues = uint64_t(1) << 22;
 
 std::optional<AnimationJoint::Slot> slot_of(const std::string& path) {
-  if (path == "translation") return AnimationJoint::kTranslation;
-  if (path == "rotation") return AnimationJoint::kRotation;
-  if (path == "scale") return AnimationJoint::kScale;
+  if (path == "translation") return AnimationJoint::translation_slot;
+  if (path == "rotation") return AnimationJoint::rotation_slot;
+  if (path == "scale") return AnimationJoint::scale_slot;
   return std::nullopt;
 }
 
@@ -70,7 +70,7 @@ class Reader {
     if (!nodes.is_array() || *node >= nodes.size() || nodes[*node].contains("matrix")) return false;
     if (const auto taken = tracks_of_.find(*node); taken != tracks_of_.end() && taken->second[*slot] != kNoTrack)
       return false;
-    const uint32_t components = *slot == AnimationJoint::kRotation ? 4 : 3;
+    const uint32_t components = *slot == AnimationJoint::rotation_slot ? 4 : 3;
     const auto [place, is_new] = known_.try_emplace({*sampler, components}, kNoTrack);
     if (is_new) place->second = read_track(element(member(animation, "samplers"), *sampler), components);
     if (place->second == kNoTrack) return false;

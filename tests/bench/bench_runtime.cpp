@@ -47,7 +47,7 @@ void BM_Pose(benchmark::State& state) {
   for (uint32_t i = 0; i < static_cast<uint32_t>(state.range(0)); ++i) {
     const NodeId root = street.root({{0, 0, 0}, {100, 100, 2}}, 0);
     AnimationJoint joint;
-    joint.tracks[AnimationJoint::kTranslation] = static_cast<uint32_t>(objects.animation.tracks.size());
+    joint.tracks[AnimationJoint::translation_slot] = static_cast<uint32_t>(objects.animation.tracks.size());
     const auto first_time = static_cast<uint32_t>(objects.animation.times.size()),
                first_value = static_cast<uint32_t>(objects.animation.values.size());
     for (uint32_t k = 0; k < kKeys; ++k) {

@@ -27,7 +27,7 @@ Animation one_joint(AnimationJoint::Slot slot, Way way, const std::vector<float>
                     const std::vector<float>& values, float period_s = 0) {
   Animation a;
   AnimationJoint joint;
-  joint.tracks[slot] = add_track(a, way, slot == AnimationJoint::kRotation ? 4 : 3, times, values, period_s);
+  joint.tracks[slot] = add_track(a, way, slot == AnimationJoint::rotation_slot ? 4 : 3, times, values, period_s);
   a.joints = {joint};
   EXPECT_EQ(find_defect(a), "");
   return a;
@@ -40,21 +40,21 @@ glm::dvec3 moved(const Animation& a, double time_s, const glm::dvec3& p = glm::d
 void expect_near(const glm::dvec3& a, const glm::dvec3& b) { EXPECT_NEAR(glm::distance(a, b), 0, 1e-6); }
 
 TEST(Animation, linear_keys_are_joined_by_lines_and_hold_beyond_their_ends) {
-  const Animation a = one_joint(AnimationJoint::kTranslation, Way::linear, {1, 3}, {0, 0, 0, 4, 2, 0});
+  const Animation a = one_joint(AnimationJoint::translation_slot, Way::linear, {1, 3}, {0, 0, 0, 4, 2, 0});
   expect_near(moved(a, 0), {0, 0, 0});
   expect_near(moved(a, 2), {2, 1, 0});
   expect_near(moved(a, 9), {4, 2, 0});
 }
 
 TEST(Animation, steps_hold_a_key_until_the_next) {
-  const Animation a = one_joint(AnimationJoint::kTranslation, Way::step, {0, 1}, {1, 0, 0, 5, 0, 0});
+  const Animation a = one_joint(AnimationJoint::translation_slot, Way::step, {0, 1}, {1, 0, 0, 5, 0, 0});
   expect_near(moved(a, 0.99), {1, 0, 0});
   expect_near(moved(a, 1), {5, 0, 0});
 }
 
 TEST(Animation, splines_leave_and_reach_keys_along_their_tangents) {
   // Tangents of 3 a second over two seconds: Hermite's polynomial at the middle is (0 + 4) / 2 + 2 (3 - 3) / 8.
-  const Animation a = one_joint(AnimationJoint::kTranslation, Way::cubic, {0, 2},
+  const Animation a = one_joint(AnimationJoint::translation_slot, Way::cubic, {0, 2},
                                 {0, 0, 0, 0, 0, 0, 3, 0, 0, 3, 0, 0, 4, 0, 0, 0, 0, 0});
   expect_near(moved(a, 1), {2, 0, 0});
   expect_near(moved(a, 0.001) * 1000.0, {3 - 0.0015, 0, 0});
@@ -63,19 +63,19 @@ TEST(Animation, splines_leave_and_reach_keys_along_their_tangents) {
 TEST(Animation, rotations_go_the_shorter_way_at_even_speed) {
   const float h = std::sqrt(0.5F);
   // A quarter turn about z, the second key named by its opposite: the same rotation.
-  const Animation a = one_joint(AnimationJoint::kRotation, Way::linear, {0, 1}, {0, 0, 0, 1, 0, 0, -h, -h});
+  const Animation a = one_joint(AnimationJoint::rotation_slot, Way::linear, {0, 1}, {0, 0, 0, 1, 0, 0, -h, -h});
   const double third = std::numbers::pi / 6;
   expect_near(moved(a, 1.0 / 3, {1, 0, 0}), {std::cos(third), std::sin(third), 0});
 }
 
 TEST(Animation, begins_anew_after_its_period) {
-  const Animation a = one_joint(AnimationJoint::kTranslation, Way::linear, {0, 2}, {0, 0, 0, 2, 0, 0}, 2);
+  const Animation a = one_joint(AnimationJoint::translation_slot, Way::linear, {0, 2}, {0, 0, 0, 2, 0, 0}, 2);
   expect_near(moved(a, 7), {1, 0, 0});
   expect_near(moved(a, -0.5), {1.5, 0, 0});
 }
 
 TEST(Animation, children_follow_their_parents) {
-  Animation a = one_joint(AnimationJoint::kTranslation, Way::linear, {0, 1}, {0, 0, 0, 10, 0, 0});
+  Animation a = one_joint(AnimationJoint::translation_slot, Way::linear, {0, 1}, {0, 0, 0, 10, 0, 0});
   AnimationJoint child;
   child.parent = 0;
   child.parent_from_rest[3] = {0, 1, 0, 1};
@@ -95,10 +95,10 @@ Animation random_chain(Random& random) {
     for (int i = 0; i < 3; ++i) joint.parent_from_rest[3][i] = random.range(-2.0, 2.0);
     joint.parent_from_rest[0][1] = random.range(-0.5, 0.5);  // sheared, too
     for (const AnimationJoint::Slot slot :
-         {AnimationJoint::kTranslation, AnimationJoint::kRotation, AnimationJoint::kScale}) {
+         {AnimationJoint::translation_slot, AnimationJoint::rotation_slot, AnimationJoint::scale_slot}) {
       if (random.below(4) == 0) continue;
       const Way way = static_cast<Way>(random.below(3));
-      const uint32_t components = slot == AnimationJoint::kRotation ? 4 : 3;
+      const uint32_t components = slot == AnimationJoint::rotation_slot ? 4 : 3;
       const bool upright = random.below(2) == 0;  // about z only
       std::vector<float> values;
       for (uint32_t i = 0; i < 3 * components * (way == Way::cubic ? 3 : 1); ++i)
@@ -125,7 +125,7 @@ TEST(SweptBox, holds_what_moves_at_any_time) {
 }
 
 TEST(SweptBox, of_a_turntable_is_as_high_as_what_stands_on_it) {
-  const Animation a = one_joint(AnimationJoint::kRotation, Way::linear, {0, 1}, {0, 0, 0, 1, 0, 0, 1, 0});
+  const Animation a = one_joint(AnimationJoint::rotation_slot, Way::linear, {0, 1}, {0, 0, 0, 1, 0, 0, 1, 0});
   const DBox swept = swept_box(a, 0, {{3, -1, 0}, {4, 1, 2}});
   EXPECT_EQ(swept.min.z, 0);
   EXPECT_EQ(swept.max.z, 2);
@@ -147,12 +147,12 @@ TEST(LargestScale, bounds_what_any_direction_is_lengthened_by) {
 }
 
 TEST(LargestScale, of_what_only_turns_and_goes_is_one) {
-  const Animation a = one_joint(AnimationJoint::kRotation, Way::linear, {0, 1}, {0, 0, 0, 1, 0, 0, 1, 0});
+  const Animation a = one_joint(AnimationJoint::rotation_slot, Way::linear, {0, 1}, {0, 0, 0, 1, 0, 0, 1, 0});
   EXPECT_NEAR(largest_scale(a, 0), 1, 1e-8);
 }
 
 TEST(Animation, defects_are_named) {
-  const Animation good = one_joint(AnimationJoint::kTranslation, Way::linear, {0, 1}, {0, 0, 0, 1, 0, 0});
+  const Animation good = one_joint(AnimationJoint::translation_slot, Way::linear, {0, 1}, {0, 0, 0, 1, 0, 0});
   const auto defect = [&good](auto&& spoil) {
     Animation a = good;
     spoil(a);
@@ -165,7 +165,7 @@ TEST(Animation, defects_are_named) {
   EXPECT_NE(defect([](Animation& a) { a.tracks[0].first_value = 0xfffffff0U; }), "");
   EXPECT_NE(defect([](Animation& a) { a.tracks[0].way = Way::cubic; }), "");
   EXPECT_NE(defect([](Animation& a) { a.joints[0].parent = 0; }), "");
-  EXPECT_NE(defect([](Animation& a) { a.joints[0].tracks[AnimationJoint::kRotation] = 0; }), "");
+  EXPECT_NE(defect([](Animation& a) { a.joints[0].tracks[AnimationJoint::rotation_slot] = 0; }), "");
 }
 
 TEST(AppendUsed, takes_what_is_used_and_what_it_hangs_on) {

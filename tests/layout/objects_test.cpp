@@ -21,7 +21,7 @@ ModelObjects one_that_moves() {
   objects.animation.values = {0, 0, 0, 5, 0, 0};
   objects.animation.tracks = {{AnimationTrack::Way::linear, 3, 0, 0, 2, 2}};
   AnimationJoint joint;
-  joint.tracks[AnimationJoint::kTranslation] = 0;
+  joint.tracks[AnimationJoint::translation_slot] = 0;
   joint.parent_from_rest[3] = {500000.1, -3, 0.25, 1};
   objects.animation.joints = {joint};
   objects.moving = {{0, NodeId{2}, glm::dmat4(0.5)}};

@@ -35,7 +35,7 @@ GlbFixture animated(const std::vector<Channel>& channels) {
   return glb;
 }
 
-const Channel kGoesEast{"translation", "VEC3", {0, 4}, {0, 0, 0, 8, 0, 0}};
+const Channel goes_east{"translation", "VEC3", {0, 4}, {0, 0, 0, 8, 0, 0}};
 
 Scene imported(const GlbFixture& glb) {
   Result<Scene> scene = import_bytes("fixture.glb", glb.bytes());
@@ -63,7 +63,7 @@ TEST(ImportAnimation, nodes_move_in_our_frame) {
 }
 
 TEST(ImportAnimation, children_move_with_what_they_hang_on) {
-  GlbFixture glb = animated({kGoesEast});
+  GlbFixture glb = animated({goes_east});
   glb.json["nodes"][0]["children"] = {1};
   glb.json["nodes"].push_back({{"mesh", 0}, {"translation", {0, 10, 0}}, {"scale", {2, 2, 2}}});
   const Scene scene = imported(glb);
@@ -75,7 +75,7 @@ TEST(ImportAnimation, children_move_with_what_they_hang_on) {
 }
 
 TEST(ImportAnimation, rests_where_the_node_says) {
-  GlbFixture glb = animated({kGoesEast});
+  GlbFixture glb = animated({goes_east});
   glb.json["nodes"][0]["translation"] = {0, 3, 0};
   const Scene scene = imported(glb);
   EXPECT_EQ(scene.instances[0].world_from_mesh[3], glm::dvec4(0, 0, 3, 1));
@@ -129,7 +129,7 @@ class BuildMoving : public testing::Test {
 
 /// One tetrahedron that moves, one that stands 20 m to the north (glTF -z).
 GlbFixture one_of_two_moves() {
-  GlbFixture glb = animated({kGoesEast});
+  GlbFixture glb = animated({goes_east});
   glb.json["nodes"][0]["extras"] = {{"class", "car"}};
   glb.json["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, -20}}, {"extras", {{"class", "house"}}}});
   glb.json["scenes"][0]["nodes"] = {0, 1};
@@ -167,7 +167,7 @@ TEST_F(BuildMoving, keeps_classes_by_area) {
 }
 
 TEST_F(BuildMoving, a_source_in_which_everything_moves_has_no_tree_that_stands) {
-  const Result<ModelReader> reader = built(animated({kGoesEast}).bytes());
+  const Result<ModelReader> reader = built(animated({goes_east}).bytes());
   ASSERT_TRUE(reader.ok()) << reader.error().message;
   EXPECT_EQ(reader->model().first_moving_node(), 0U);
   EXPECT_EQ(reader->model().manifest.source_triangles, 4U);

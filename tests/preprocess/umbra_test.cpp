@@ -92,6 +92,7 @@ TEST(BoxView, hides_only_what_every_line_meets_a_box_before) {
     for (int i = 0; i < 12; ++i)
       if (const Box box = box_at(6, 3); !box.contains(glm::vec3(eye))) solids.push_back(box);
     std::vector<Box> asked;
+    asked.reserve(20);
     for (int i = 0; i < 20; ++i) asked.push_back(box_at(20, 2));
     view.reset(eye);
     for (const Box& box : asked) view.want(box);

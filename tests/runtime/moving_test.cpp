@@ -26,7 +26,7 @@ struct Street : Forest {
     objects.animation.values = {-1, -6, 0, -1, 6, 0};
     objects.animation.tracks = {{AnimationTrack::Way::linear, 3, 0, 0, 2, 10}};
     AnimationJoint joint;
-    joint.tracks[AnimationJoint::kTranslation] = 0;
+    joint.tracks[AnimationJoint::translation_slot] = 0;
     objects.animation.joints = {joint};
     objects.moving = {{0, car, glm::dmat4(1)}};
     objects.moving_nodes = {{0, {{10, -1, -1}, {10, 1, 1}}}};  // Forest draws squares at x = 10

@@ -124,6 +124,7 @@ class CellWork {
   }
 
   void arrive(LineBeam beam, Beams& into) {
+    steps_ += into.size();
     for (const LineBeam& other : into)
       if (other.contains(beam)) return;
     into.push_back(beam);

@@ -12,7 +12,7 @@ struct PortalsOptions {
   size_t most_beams = 3;  // measured: 2 to 40 hide the same in a furnished building
   /// Questions to beams for one cell: beyond, all that is undecided stays. Measured: no cell of a furnished building of
   /// two floors takes a million. It bounds only what it counts: cells of cms_detector take 1.7 s all the same.
-  uint64_t most_steps = 4'000'000;
+  uint64_t most_steps = 500'000;
 };
 
 /// Hides what no line from the cell reaches through the openings of axial walls. For buildings. All references must
