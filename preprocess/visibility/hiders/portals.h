@@ -10,9 +10,9 @@ struct PortalsOptions {
   /// Beams kept apart in a room, per sector of directions: beyond, the two that are most alike become one, so that
   /// plans with many ways through them end in time. More: tighter, slower.
   size_t most_beams = 3;  // measured: 2 to 40 hide the same in a furnished building
-  /// Questions to beams for one cell: beyond, all that is undecided stays. Measured: no cell of a furnished building of
-  /// two floors takes a million. It bounds only what it counts: cells of cms_detector take 1.7 s all the same.
-  uint64_t most_steps = 500'000;
+  /// Comparisons of beams for one cell, some hundred nanoseconds each: beyond, all that is undecided stays. Cells of a
+  /// furnished building of two floors take fewer; those of cms_detector, where little is hidden, would take many more.
+  uint64_t most_steps = 1'000'000;
 };
 
 /// Hides what no line from the cell reaches through the openings of axial walls. For buildings. All references must
