@@ -62,8 +62,9 @@ struct FlightTotals {
   uint64_t far_crossed = 0, far_late = 0, far_missing = 0;  ///< frames; 0 without far pictures
   double far_triangles_mean = 0;                            ///< of far pictures
   uint64_t bytes_read = 0;
-  uint64_t reads = 0;              ///< runs of bytes that lie one behind the other in a file
-  uint64_t bytes_read_useful = 0;  ///< of segments whose node was drawn before it left memory again
+  uint64_t reads = 0;  ///< runs of bytes that lie one behind the other in a file
+  uint64_t bytes_read_useful =
+      0;  ///< of segments whose node was drawn before it left memory again, and all vLODs and far pictures
   uint64_t resident_bytes_peak = 0;
   uint64_t peak_rss_bytes = 0;  ///< of the process
   uint64_t stalls = 0;          ///< frames that took more than twice target_ms

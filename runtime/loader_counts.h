@@ -6,9 +6,10 @@ namespace promenade {
 /// Everything that loading did or refused to do, each cause counted.
 struct LoaderCounts {
   uint64_t bytes_read = 0;
-  uint64_t bytes_read_useful = 0;  ///< of segments whose node was drawn before they left memory
-  uint64_t pieces = 0;             ///< calls to the disk
-  uint64_t reads = 0;              ///< runs of pieces that lie one behind the other in a file
+  uint64_t bytes_read_useful =
+      0;                ///< of segments whose node was drawn before they left memory, and all vLODs and far pictures
+  uint64_t pieces = 0;  ///< calls to the disk
+  uint64_t reads = 0;   ///< runs of pieces that lie one behind the other in a file
   uint64_t nodes_loaded = 0, textures_loaded = 0;
   uint64_t nodes_along = 0;  ///< taken before more important ones, because they lay where the last read ended
   uint64_t nodes_evicted = 0;

@@ -44,38 +44,13 @@ Result<FarScene::Held> FarScene::read(NodeId id) const {
 }
 
 Result<FarScene::Held> FarScene::get(NodeId id) const {
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto found = entries_.find(index_of(id)); found != entries_.end()) {
-      found->second.last_use = ++uses_;
-      return found->second.held;
-    }
-  }
-  Result<Held> held = read(id);  // two threads may both read it: the first one's is kept
-  if (!held) return held.error();
-  uint64_t bytes = held->mesh->byte_size();
-  for (const auto& [index, picture] : held->textures) bytes += picture->byte_size();
-  const std::lock_guard lock(mutex_);
-  const auto [entry, added] = entries_.try_emplace(index_of(id), Entry{*held, bytes, 0});
-  entry->second.last_use = ++uses_;
-  if (added) bytes_ += bytes;
-  Held result = entry->second.held;
-  if (bytes_ > cache_bytes_) make_room();
-  return result;
-}
-
-/// Forgets the quarter that was not used for longest, so that the scan is rare.
-void FarScene::make_room() const {
-  std::vector<std::pair<uint64_t, uint32_t>> by_age;
-  by_age.reserve(entries_.size());
-  for (const auto& [id, entry] : entries_) by_age.emplace_back(entry.last_use, id);
-  std::sort(by_age.begin(), by_age.end());
-  for (const auto& [age, id] : by_age) {
-    if (bytes_ <= cache_bytes_ / 4 * 3) break;
-    const auto entry = entries_.find(id);
-    bytes_ -= entry->second.bytes;
-    entries_.erase(entry);
-  }
+  return nodes_.get(
+      id, [&] { return read(id); },
+      [](const Held& held) {
+        uint64_t bytes = held.mesh->byte_size();
+        for (const auto& [index, picture] : held.textures) bytes += picture->byte_size();
+        return bytes;
+      });
 }
 
 Result<FarView> FarView::make(const FarScene& scene, const glm::dvec3& centre, double box_m, uint32_t levels) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "layout/model_io.h"
+#include "preprocess/node_cache.h"
 #include "raster/shade.h"
 
 namespace promenade {
@@ -16,7 +17,7 @@ namespace promenade {
 class FarScene {
  public:
   /// cache_bytes: what they may take while nobody holds them.
-  FarScene(const ModelReader& model, uint64_t cache_bytes) : model_(model), cache_bytes_(cache_bytes) {}
+  FarScene(const ModelReader& model, uint64_t cache_bytes) : model_(model), nodes_(cache_bytes) {}
 
   /// A node held for drawing.
   struct Held {
@@ -27,20 +28,13 @@ class FarScene {
   const ModelReader& model() const { return model_; }
 
  private:
-  struct Entry {
-    Held held;
-    uint64_t bytes = 0, last_use = 0;
-  };
   Result<Held> read(NodeId id) const;
   Result<std::shared_ptr<const MipTexture>> texture(uint32_t index) const;
-  void make_room() const;
 
   const ModelReader& model_;
-  uint64_t cache_bytes_;
-  mutable std::mutex mutex_;  // guards everything below
-  mutable std::unordered_map<uint32_t, Entry> entries_;
+  mutable NodeCache<Held> nodes_;
+  mutable std::mutex mutex_;  // guards textures_
   mutable std::unordered_map<uint32_t, std::weak_ptr<const MipTexture>> textures_;
-  mutable uint64_t bytes_ = 0, uses_ = 0;
 };
 
 /// What is seen from one place of everything outside a box around it. One thread.

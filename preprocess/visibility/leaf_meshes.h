@@ -44,4 +44,18 @@ Status for_each_mesh(const ModelReader& reader, std::span<const NodeId> leaves, 
   return Done{};
 }
 
+/// The same for those leaves alone whose boxes overlap one, one after the other, in their order: visit(mesh).
+template <class Visit>
+Status for_each_mesh_near(const ModelReader& reader, const Box& around, const JobMonitor& monitor, const Visit& visit) {
+  const Model& model = reader.model();
+  for (uint32_t i = 0; i < model.first_moving_node(); ++i) {
+    if (model.tables.nodes[i].child_count != 0 || !model.tables.nodes[i].box.overlaps(around)) continue;
+    if (monitor.cancelled()) return Error{kInterrupted};
+    const Result<Mesh> mesh = reader.read_mesh(NodeId{i});
+    if (!mesh) return mesh.error();
+    visit(*mesh);
+  }
+  return Done{};
+}
+
 }  // namespace promenade

@@ -44,37 +44,13 @@ Result<PreparedMesh> NodeMeshes::prepare_node(NodeId id) const {
 }
 
 Result<std::shared_ptr<const PreparedMesh>> NodeMeshes::get(NodeId id) const {
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto found = entries_.find(index_of(id)); found != entries_.end()) {
-      found->second.last_use = ++uses_;
-      return found->second.mesh;
-    }
-  }
-  Result<PreparedMesh> made = prepare_node(id);  // two threads may both make it: the first one's is kept
-  if (!made) return made.error();
-  auto mesh = std::make_shared<const PreparedMesh>(std::move(*made));
-  const std::lock_guard lock(mutex_);
-  const auto [entry, added] = entries_.try_emplace(index_of(id), Entry{mesh, 0});
-  entry->second.last_use = ++uses_;
-  mesh = entry->second.mesh;
-  if (added) bytes_ += mesh->byte_size();
-  if (bytes_ > cache_bytes_) make_room();
-  return mesh;
-}
-
-/// Forgets the quarter that was not used for longest, so that the scan is rare.
-void NodeMeshes::make_room() const {
-  std::vector<std::pair<uint64_t, uint32_t>> by_age;
-  by_age.reserve(entries_.size());
-  for (const auto& [id, entry] : entries_) by_age.emplace_back(entry.last_use, id);
-  std::sort(by_age.begin(), by_age.end());
-  for (const auto& [age, id] : by_age) {
-    if (bytes_ <= cache_bytes_ / 4 * 3) break;
-    const auto entry = entries_.find(id);
-    bytes_ -= entry->second.mesh->byte_size();
-    entries_.erase(entry);
-  }
+  using Held = std::shared_ptr<const PreparedMesh>;
+  const auto make = [&]() -> Result<Held> {
+    Result<PreparedMesh> made = prepare_node(id);
+    if (!made) return made.error();
+    return Held(std::make_shared<const PreparedMesh>(std::move(*made)));
+  };
+  return meshes_.get(id, make, [](const Held& mesh) { return mesh->byte_size(); });
 }
 
 Result<HeldNodes> hold_nodes(const NodeMeshes& meshes, std::span<const NodeId> nodes) {

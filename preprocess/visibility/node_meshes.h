@@ -3,11 +3,10 @@
 // where they do at time 0.
 
 #include <memory>
-#include <mutex>
-#include <unordered_map>
 #include <vector>
 
 #include "layout/model_io.h"
+#include "preprocess/node_cache.h"
 #include "raster/visibility.h"
 
 namespace promenade {
@@ -25,24 +24,15 @@ class NodeMeshes {
   const SurfaceTable& surfaces() const { return *surfaces_; }
 
  private:
-  struct Entry {
-    std::shared_ptr<const PreparedMesh> mesh;
-    uint64_t last_use = 0;
-  };
-  NodeMeshes(const ModelReader& model, uint64_t cache_bytes) : model_(model), cache_bytes_(cache_bytes) {}
+  NodeMeshes(const ModelReader& model, uint64_t cache_bytes) : model_(model), meshes_(cache_bytes) {}
   Status read_holes();
   Result<PreparedMesh> prepare_node(NodeId id) const;
-  void make_room() const;
 
   const ModelReader& model_;
-  uint64_t cache_bytes_;
   std::vector<glm::dmat4> moving_;  ///< by object
   std::vector<std::unique_ptr<MipTexture>> textures_;
   std::unique_ptr<SurfaceTable> surfaces_;
-
-  mutable std::mutex mutex_;  // guards everything below
-  mutable std::unordered_map<uint32_t, Entry> entries_;
-  mutable uint64_t bytes_ = 0, uses_ = 0;
+  mutable NodeCache<std::shared_ptr<const PreparedMesh>> meshes_;
 };
 
 /// A set of nodes held for drawing: draw_items() name them by id.

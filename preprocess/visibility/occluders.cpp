@@ -10,6 +10,7 @@
 
 #include "preprocess/visibility/columns.h"
 #include "preprocess/visibility/contours.h"
+#include "preprocess/visibility/leaf_meshes.h"
 
 namespace promenade {
 namespace {
@@ -268,15 +269,10 @@ Result<TileResult> work_tile(const ModelReader& model, const Box& core, const Bo
   grid.low = glm::dvec2(around.min);
   grid.nx = static_cast<uint32_t>(std::ceil(double(around.size().x) / grid.column_m)) + 1;
   grid.ny = static_cast<uint32_t>(std::ceil(double(around.size().y) / grid.column_m)) + 1;
-  const ModelTables& tables = model.model().tables;
   ColumnBuilder builder(grid);
-  for (uint32_t i = 0; i < model.model().first_moving_node(); ++i) {  // what moves hides nothing
-    if (tables.nodes[i].child_count != 0 || !tables.nodes[i].box.overlaps(around)) continue;
-    if (monitor.cancelled()) return Error{"interrupted"};
-    const Result<Mesh> mesh = model.read_mesh(NodeId{i});
-    if (!mesh) return mesh.error();
-    builder.add(*mesh, tables.materials);
-  }
+  PROMENADE_TRY(for_each_mesh_near(model, around, monitor, [&](const Mesh& mesh) {  // what moves hides nothing
+    builder.add(mesh, model.model().tables.materials);
+  }));
   const SolidColumns solid = builder.finish();
   return TileWork(grid, solid, core, options).run();
 }

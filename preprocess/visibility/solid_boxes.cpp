@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "preprocess/visibility/columns.h"
+#include "preprocess/visibility/leaf_meshes.h"
 
 namespace promenade {
 namespace {
@@ -154,15 +155,10 @@ Result<std::vector<Box>> work_tile(const ModelReader& model, const ColumnGrid& g
   around.min.x = static_cast<float>(grid.low.x), around.min.y = static_cast<float>(grid.low.y);
   around.max.x = static_cast<float>(grid.low.x + grid.nx * grid.column_m);
   around.max.y = static_cast<float>(grid.low.y + grid.ny * grid.column_m);
-  const ModelTables& tables = model.model().tables;
   ColumnBuilder builder(grid);
-  for (uint32_t i = 0; i < model.model().first_moving_node(); ++i) {  // what moves hides nothing
-    if (tables.nodes[i].child_count != 0 || !tables.nodes[i].box.overlaps(around)) continue;
-    if (monitor.cancelled()) return Error{"interrupted"};
-    const Result<Mesh> mesh = model.read_mesh(NodeId{i});
-    if (!mesh) return mesh.error();
-    builder.add(*mesh, tables.materials);
-  }
+  PROMENADE_TRY(for_each_mesh_near(model, around, monitor, [&](const Mesh& mesh) {  // what moves hides nothing
+    builder.add(mesh, model.model().tables.materials);
+  }));
   const SolidColumns solid = builder.finish(SlipRule::open);
   return BoxGrower(grid, solid, core, model_box).run();
 }
