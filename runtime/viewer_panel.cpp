@@ -42,6 +42,15 @@ void FramePlots::add(const FrameRow& row) {
   push(resident_mib_, double(row.resident_bytes) / 1048576);
   push(read_kib_, double(row.bytes_read) / 1024);
   last_ = row;
+  drawn_ = std::chrono::steady_clock::now();
+}
+
+double FramePlots::shown() {
+  if (!drawn_) return 0;
+  const std::chrono::duration<double, std::milli> showing = std::chrono::steady_clock::now() - *drawn_;
+  drawn_.reset();
+  response_ms_ = last_.response_ms + showing.count();
+  return response_ms_;
 }
 
 void FramePlots::draw(const Session& session, double target_ms, uint64_t memory_bytes) const {

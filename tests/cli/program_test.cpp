@@ -256,7 +256,7 @@ TEST_F(SmallCity, verify_finds_one_changed_bit) {
 
 TEST_F(SmallCity, verify_holds_pictures_against_the_source) {
   const ProgramRun run = run_program(
-      "verify city.prom --cells 3 --views 4 --view-size 64 --aimed-views 5 --source city.glb --source-views 3 "
+      "verify city.prom --cells 12 --views 4 --view-size 64 --aimed-views 5 --source city.glb --source-views 3 "
       "--size 320x180 --source-picture differences.png --json verify.json",
       folder());
   ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -143,7 +143,7 @@ std::vector<FarCellId> cells(std::initializer_list<uint32_t> ids) {
 /// Loads and uploads until nothing is left to do.
 void work(FarStore& store, NullRenderer& renderer) {
   for (int i = 0; i < 200; ++i) {
-    store.begin_frame(renderer);
+    store.let_go(store.take_leaving(), renderer);
     store.upload(renderer);
     static_cast<void>(store.load_next());
     EXPECT_LE(store.bytes(), store.bound_bytes());
