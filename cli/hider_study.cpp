@@ -6,9 +6,8 @@
 #include "cli/console.h"
 #include "cli/node_picture.h"
 #include "geometry/camera.h"
-#include "preprocess/visibility/hider_chain.h"
+#include "preprocess/visibility/hider_trial.h"
 #include "preprocess/visibility/hiders/sampled.h"
-#include "preprocess/visibility/visibility.h"
 
 namespace promenade {
 namespace {
