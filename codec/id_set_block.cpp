@@ -1,7 +1,8 @@
-// The decisions of encoder and decoder are one walk over the forest, written once for both: a Coder either tells which
-// way it goes or is told. What decoding takes is mostly branches that nobody can predict, so that there is one a
-// decision at most, and none where nothing but a value depends on it; and all that changes with every decision is in
-// registers, which takes a loop instead of recursion, and everything inlined.
+// The choices of encoder and decoder are one walk over the forest, written once for both: a Coder either tells which
+// way it goes or is told. What decoding takes is mostly branches that nobody can predict, and one choice waiting for
+// the one before it. So a choice is about up to four siblings at once and by what is known without looking at them;
+// where nothing but values depend on it there is no branch; and what changes with every choice is in registers, which
+// takes a loop instead of recursion, and everything inlined.
 #include "codec/id_set_block.h"
 
 #include <fmt/format.h>
@@ -13,7 +14,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "codec/range_coder.h"
+#include "codec/rans_coder.h"
 
 namespace promenade {
 namespace {
@@ -22,29 +23,60 @@ namespace {
 using State = uint32_t;
 constexpr State kNothing = 0, kRoot = 1, kInside = 2;
 
-constexpr uint32_t kNoSibling = 3;  // the state of the sibling before the first
-constexpr size_t kSizeClasses = 8;
+constexpr uint32_t kGroup = 4;  // siblings that one choice is about
+constexpr size_t kSizeClasses = 12, kFineSizeClasses = 28;
 constexpr size_t kReferenceBits = 7;
 
-/// Probabilities of all decisions, by what is known when they are taken.
+/// Of so many nodes, at least one: powers of two.
+size_t size_class(uint32_t count) {
+  return std::min<size_t>(static_cast<size_t>(std::bit_width(count)), kSizeClasses) - 1;
+}
+
+/// The same, where small numbers are told apart.
+size_t fine_size_class(uint32_t count) {
+  constexpr uint32_t kSmall = 16, kSmallBits = 4;
+  const auto bits = static_cast<uint32_t>(std::bit_width(count));
+  return count < kSmall ? count : kSmall + std::min(bits - kSmallBits, uint32_t{kFineSizeClasses - kSmall - 1});
+}
+
+/// Choices among the subsets of a group of 1 to 4 siblings, by the size of the group: all as likely at first.
+template <size_t Others>
+using GroupModels = std::array<std::array<NibbleModel, Others>, kGroup>;
+template <size_t Others>
+constexpr GroupModels<Others> group_models() {
+  GroupModels<Others> models;
+  for (uint32_t size = 1; size <= kGroup; ++size) models[size - 1].fill(NibbleModel(1U << size));
+  return models;
+}
+
+/// Chances of all choices, by what is known when they are made.
 struct Models {
   BitModel equal;                                               ///< a set to its reference
   std::array<BitModel, size_t(1) << kReferenceBits> reference;  ///< how far back it is, a binary tree
-  /// In a subtree of which the reference holds some: is anything different there? By how large it is, by what became
-  /// of the sibling before.
-  std::array<std::array<BitModel, 4>, kSizeClasses> inside_changed;
-  std::array<std::array<BitModel, 4>, 2> inside_to;  ///< to what: still inside? else: the root?
-  /// Of which it holds the root (1), or nothing (0).
-  std::array<std::array<BitModel, 4>, 2> plain_changed;
-  std::array<std::array<BitModel, 4>, 2> leaf_changed;
-  std::array<std::array<BitModel, 4>, 2> plain_to_inside;
-  /// Below a node that has just given way to its descendants: by what was there, the sibling before.
-  std::array<std::array<BitModel, 4>, 2> fresh_root;
-  std::array<std::array<BitModel, 4>, 2> fresh_leaf;
-  std::array<std::array<BitModel, 4>, 2> fresh_inside;
+  /// Siblings among which the set and the reference differ. By how many nodes there are in the subtrees of these and of
+  /// those behind them: which differ?
+  std::array<NibbleModel, kFineSizeClasses> changed;
+  /// Of leaves, by which the reference holds: which does the set hold?
+  GroupModels<size_t(1) << kGroup> leaves = group_models<size_t(1) << kGroup>();
+  /// Where the reference holds some descendants, and not the same: by how large the subtree is, does the set, too? If
+  /// not, does it hold the root?
+  std::array<BitModel, kSizeClasses> still_inside;
+  BitModel inside_to_root;
+  /// Where it holds the root (1), or nothing (0): does the set hold descendants?
+  std::array<BitModel, 2> to_inside;
+  /// Siblings below a node that has just given way to its descendants: by what was there, in which is something?
+  GroupModels<2> fresh = group_models<2>();
+  GroupModels<2> fresh_leaves = group_models<2>();
+  std::array<BitModel, 2> fresh_inside;
 };
 
-size_t size_class(size_t count) { return std::min<size_t>(std::bit_width(count), kSizeClasses) - 1; }
+/// Siblings that are chosen among together.
+struct Group {
+  std::array<uint32_t, kGroup + 1> starts;  ///< of their subtrees; of the last one the end, too
+  uint32_t size;
+  uint32_t all() const { return (1U << size) - 1; }
+  bool leaves() const { return starts[kGroup] - starts[0] == size; }
+};
 
 /// The first place at or after `from` whose id is not below `end`.
 const uint32_t* skip_below(const uint32_t* from, const uint32_t* last, uint32_t end) {
@@ -53,25 +85,45 @@ const uint32_t* skip_below(const uint32_t* from, const uint32_t* last, uint32_t 
   return std::lower_bound(from, from + std::min<size_t>(step + 1, static_cast<size_t>(last - from)), end);
 }
 
-/// Writes the decisions that turn the reference into the set.
+/// Writes the choices that turn the reference into the set.
 class Telling {
  public:
-  Telling(const IdForest& forest, RangeEncoder& encoder) : forest_(&forest), encoder_(&encoder) {}
+  explicit Telling(RansEncoder& encoder) : encoder_(&encoder) {}
   void begin(std::span<const uint32_t> set) { at_ = set.data(), last_ = at_ + set.size(); }
 
-  State state_of(uint32_t node) const {
-    if (at_ == last_ || *at_ >= forest_->subtree_end[node]) return kNothing;
+  State state_of(uint32_t node, uint32_t end) const {
+    if (at_ == last_ || *at_ >= end) return kNothing;
     return *at_ == node ? kRoot : kInside;
   }
-  /// Whether the set is unlike the reference's ids below end.
-  uint32_t differs(const uint32_t* ref, const uint32_t* ref_last, uint32_t end) const {
-    return std::equal(at_, skip_below(at_, last_, end), ref, skip_below(ref, ref_last, end)) ? 0 : 1;
+  /// Of which siblings the set holds something.
+  uint32_t present(const Group& group) const {
+    uint32_t present = 0;
+    const uint32_t* at = at_;
+    for (uint32_t i = 0; i < group.size; ++i) {
+      const uint32_t* const next = skip_below(at, last_, group.starts[i + 1]);
+      present |= (next != at ? 1U : 0U) << i;
+      at = next;
+    }
+    return present;
   }
-  uint32_t decide(BitModel& model, uint32_t bit) {
-    encoder_->put(model, bit);
-    return bit;
+  /// In which of them it is unlike the reference.
+  uint32_t changed(const Group& group, const uint32_t* ref, const uint32_t* ref_last) const {
+    uint32_t changed = 0;
+    const uint32_t* at = skip_below(at_, last_, group.starts[0]);
+    ref = skip_below(ref, ref_last, group.starts[0]);
+    for (uint32_t i = 0; i < group.size; ++i) {
+      const uint32_t *const next = skip_below(at, last_, group.starts[i + 1]), *const ref_next = skip_below(
+                                                                                   ref, ref_last, group.starts[i + 1]);
+      changed |= (std::equal(at, next, ref, ref_next) ? 0U : 1U) << i;
+      at = next, ref = ref_next;
+    }
+    return changed;
   }
-  uint32_t decide_value(BitModel& model, uint32_t bit) { return decide(model, bit); }
+  template <class Model>
+  uint32_t choose(Model& model, uint32_t choice) {
+    encoder_->put(model, choice);
+    return choice;
+  }
   bool copy_below(const uint32_t*& ref, const uint32_t* ref_last, uint32_t end) {
     const uint32_t* begin = ref;
     ref = skip_below(ref, ref_last, end);
@@ -82,29 +134,34 @@ class Telling {
     at_ += reference.size();
     return true;
   }
-  bool add(uint32_t) { return add_if(1, 0); }
   bool add_if(uint32_t held, uint32_t) {
     at_ += held;
     return true;
   }
+  bool add_group(uint32_t held, uint32_t) {
+    at_ += std::popcount(held);
+    return true;
+  }
 
  private:
-  const IdForest* forest_;
-  RangeEncoder* encoder_;
+  RansEncoder* encoder_;
   const uint32_t* at_ = nullptr;
   const uint32_t* last_ = nullptr;
 };
 
-/// Reads the decisions and makes the set.
+/// Reads the choices and makes the set.
 class Hearing {
  public:
   Hearing(std::span<const std::byte> bytes, std::span<uint32_t> ids)
       : decoder_(bytes), at_(ids.data()), last_(at_ + ids.size()) {}
 
-  [[gnu::always_inline]] State state_of(uint32_t) const { return kNothing; }
-  [[gnu::always_inline]] uint32_t differs(const uint32_t*, const uint32_t*, uint32_t) const { return 0; }
-  [[gnu::always_inline]] uint32_t decide(BitModel& model, uint32_t) { return decoder_.get(model); }
-  [[gnu::always_inline]] uint32_t decide_value(BitModel& model, uint32_t) { return decoder_.get_value(model); }
+  [[gnu::always_inline]] State state_of(uint32_t, uint32_t) const { return kNothing; }
+  [[gnu::always_inline]] uint32_t present(const Group&) const { return 0; }
+  [[gnu::always_inline]] uint32_t changed(const Group&, const uint32_t*, const uint32_t*) const { return 0; }
+  template <class Model>
+  [[gnu::always_inline]] uint32_t choose(Model& model, uint32_t) {
+    return decoder_.get(model);
+  }
   /// Several ids at a time, with what may stand behind them and is overwritten later.
   [[gnu::always_inline]] bool copy_below(const uint32_t*& ref, const uint32_t* ref_last, uint32_t end) {
     constexpr int kAtOnce = 8;
@@ -116,7 +173,7 @@ class Hearing {
       if (below != kAtOnce) return true;
     }
     for (; ref != ref_last && *ref < end; ++ref)
-      if (!add(*ref)) return false;
+      if (!add_if(1, *ref)) return false;
     return true;
   }
   [[gnu::always_inline]] bool copy_all(std::span<const uint32_t> reference) {
@@ -124,7 +181,6 @@ class Hearing {
     at_ = std::copy(reference.begin(), reference.end(), at_);
     return true;
   }
-  [[gnu::always_inline]] bool add(uint32_t id) { return add_if(1, id); }
   /// held: 1 or 0. Without a branch that nobody can predict.
   [[gnu::always_inline]] bool add_if(uint32_t held, uint32_t id) {
     if (at_ == last_) return held == 0;
@@ -132,19 +188,25 @@ class Hearing {
     at_ += held;
     return true;
   }
+  [[gnu::always_inline]] bool add_group(uint32_t held, uint32_t node) {
+    if (last_ - at_ < static_cast<std::ptrdiff_t>(kGroup)) {
+      for (uint32_t i = 0; i < kGroup; ++i)
+        if (!add_if(held >> i & 1U, node + i)) return false;
+      return true;
+    }
+    for (uint32_t i = 0; i < kGroup; ++i) {
+      *at_ = node + i;
+      at_ += held >> i & 1U;
+    }
+    return true;
+  }
   const uint32_t* at() const { return at_; }
   bool broken() const { return decoder_.overrun(); }
 
  private:
-  RangeDecoder decoder_;
+  RansDecoder decoder_;
   uint32_t* at_;
   uint32_t* last_;
-};
-
-/// Families whose siblings are not all done: the way from a root down.
-struct OpenFamily {
-  uint32_t end;     ///< of the siblings
-  uint32_t before;  ///< what the next of them sees of the one that is under way
 };
 
 /// The walk that tells a set from its reference.
@@ -159,7 +221,7 @@ class Walk {
     Coder coder = shared;  // a local one, whose address nobody has: it stays in registers
     const uint32_t *ref = reference.data(), *const ref_last = ref + reference.size();
     bool room = true;
-    if (coder.decide(models_.equal, same ? 0 : 1) == 0)
+    if (coder.choose(models_.equal, same ? 0 : 1) == 0)
       room = coder.copy_all(reference);
     else
       room = changed_families(ref, ref_last, coder);
@@ -168,92 +230,137 @@ class Walk {
   }
 
  private:
-  /// From the roots on: siblings of whose subtrees the set and the reference hold different ids.
+  /// Siblings that are not all done: the way from a root down.
+  struct Family {
+    uint32_t next, end;  ///< of those in no group yet
+    uint32_t left;       ///< which of the group are still to do
+    Group group;
+  };
+
+  [[gnu::always_inline]] void next_group(Family& family) const {
+    Group& group = family.group;
+    uint32_t at = family.next, size = 0;
+    group.starts[0] = at;
+    for (uint32_t i = 1; i <= kGroup; ++i) {  // without a branch: nobody can predict how many there are
+      const bool more = at < family.end;
+      const uint32_t end = end_[more ? at : 0];
+      at = more ? end : at;
+      size += more ? 1 : 0;
+      group.starts[i] = at;
+    }
+    group.size = size;
+    family.next = at;
+  }
+
+  /// Which of `size` leaves from a node on the reference holds, and steps over these.
+  [[gnu::always_inline]] static uint32_t take_group(const uint32_t*& ref, const uint32_t* ref_last, uint32_t node,
+                                                    uint32_t size) {
+    uint32_t held = 0;
+    if (ref_last - ref >= static_cast<std::ptrdiff_t>(kGroup)) {
+      uint32_t count = 0;
+      for (uint32_t i = 0; i < kGroup; ++i) {
+        const uint32_t leaf = ref[i] - node, in = leaf < size ? 1 : 0;
+        held |= in << (leaf & 31U);
+        count += in;
+      }
+      ref += count;
+    } else {
+      for (; ref != ref_last && *ref - node < size; ++ref) held |= 1U << (*ref - node);
+    }
+    return held;
+  }
+
+  /// From the roots on: siblings among whose subtrees the set and the reference differ. What is between two differences
+  /// is copied when the second one is reached.
   [[gnu::always_inline]] bool changed_families(const uint32_t* ref, const uint32_t* const ref_last, Coder& coder) {
-    uint32_t node = 0, family_end = size_, before = kNoSibling;
-    size_t depth = 0;
+    if (size_ == 0) return true;
+    Family* family = open_.data();
+    family->next = 0, family->end = size_;
     while (true) {
-      while (node == family_end) {
-        if (depth == 0) return true;
-        family_end = open_[--depth].end, before = open_[depth].before;
-      }
-      const uint32_t end = end_[node], next = ref == ref_last ? size_ : *ref;
-      const uint32_t has = next == node ? 1 : 0;
-      if (end == node + 1) {  // a leaf
-        ref += has;
-        before = coder.decide_value(models_.leaf_changed[has][before], (coder.state_of(node) == kRoot ? 1 : 0) ^ has);
-        if (!coder.add_if(has ^ before, node)) return false;
-        node = end;
-        continue;
-      }
-      if (next > node && next < end) {  // the reference holds descendants of the node
-        BitModel& model = models_.inside_changed[size_class(end - node)][before];
-        if (coder.decide(model, coder.differs(ref, ref_last, end)) == 0) {
-          before = 0;
-          if (!coder.copy_below(ref, ref_last, end)) return false;
-          node = end;
-          continue;
-        }
-        const State to = coder.state_of(node);
-        if (coder.decide(models_.inside_to[0][before], to == kInside ? 0 : 1) == 0) {
-          open_[depth++] = {family_end, 1};
-          family_end = end, before = kNoSibling;
-          ++node;
-          continue;
-        }
-        ref = skip_below(ref, ref_last, end);
-        const bool root = coder.decide(models_.inside_to[1][before], to == kRoot ? 0 : 1) == 0;
-        before = 2;
-        if (root && !coder.add(node)) return false;
-        node = end;
-        continue;
-      }
-      // It holds the node itself, or nothing of its subtree.
-      ref += has;
-      const State to = coder.state_of(node), from = has != 0 ? kRoot : kNothing;
-      if (coder.decide(models_.plain_changed[has][before], to == from ? 0 : 1) == 0) {
-        before = 0;
-        if (has != 0 && !coder.add(node)) return false;
-      } else if (coder.decide(models_.plain_to_inside[has][before], to == kInside ? 1 : 0) != 0) {
-        before = 2;
-        if (!fresh_families(node + 1, end, has, depth, coder)) return false;
+      const uint32_t nodes = family->end - family->next;  // known at once: a decoder need not wait for the siblings
+      next_group(*family);
+      const Group& group = family->group;
+      if (group.leaves()) {
+        const uint32_t node = group.starts[0];
+        if (!coder.copy_below(ref, ref_last, node)) return false;
+        const uint32_t held = take_group(ref, ref_last, node, group.size);
+        const uint32_t holds = coder.choose(models_.leaves[group.size - 1][held], coder.present(group));
+        if (!coder.add_group(holds & group.all(), node)) return false;
+        family->left = 0;
       } else {
-        before = 1;
-        if (has == 0 && !coder.add(node)) return false;
+        family->left =
+            coder.choose(models_.changed[fine_size_class(nodes)], coder.changed(group, ref, ref_last)) & group.all();
       }
-      node = end;
+      // On to the next group: of this family, of one below a sibling, or of one above.
+      while (true) {
+        if (family->left == 0) {
+          if (family->next != family->end) break;
+          if (family == open_.data()) return coder.copy_below(ref, ref_last, size_);
+          --family;
+          continue;
+        }
+        const auto i = static_cast<uint32_t>(std::countr_zero(family->left));
+        const uint32_t node = family->group.starts[i], end = family->group.starts[i + 1];
+        family->left &= family->left - 1;
+        if (!coder.copy_below(ref, ref_last, node)) return false;
+        const uint32_t has = ref != ref_last && *ref == node ? 1 : 0;
+        if (has == 0 && ref != ref_last && *ref < end) {  // the reference holds descendants of the node
+          if (coder.choose(models_.still_inside[size_class(end - node)],
+                           coder.state_of(node, end) == kInside ? 0 : 1) == 0) {
+            family +=
+                (family->left | (family->next ^ family->end)) != 0 ? 1 : 0;  // one that is done is not come back to
+            family->next = node + 1, family->end = end;
+            break;
+          }
+          ref = skip_below(ref, ref_last, end);
+          if (!coder.add_if(coder.choose(models_.inside_to_root, coder.state_of(node, end) == kRoot ? 1 : 0), node))
+            return false;
+          continue;
+        }
+        // It holds the node itself, or nothing of its subtree.
+        ref += has;
+        if (end != node + 1 &&
+            coder.choose(models_.to_inside[has], coder.state_of(node, end) == kInside ? 1 : 0) != 0) {
+          if (!fresh_families(family + 1, node + 1, end, has, coder)) return false;
+        } else if (!coder.add_if(1 - has, node)) {
+          return false;
+        }
+      }
     }
   }
 
   /// Below a node of which the reference held the node (has 1) or nothing.
-  [[gnu::always_inline]] bool fresh_families(uint32_t node, uint32_t family_end, uint32_t has, const size_t from_depth,
+  [[gnu::always_inline]] bool fresh_families(Family* const first, uint32_t begin, uint32_t end, uint32_t has,
                                              Coder& coder) {
-    uint32_t before = kNoSibling;
-    size_t depth = from_depth;
+    Family* family = first;
+    family->next = begin, family->end = end;
     while (true) {
-      while (node == family_end) {
-        if (depth == from_depth) return true;
-        family_end = open_[--depth].end, before = open_[depth].before;
-      }
-      const uint32_t end = end_[node];
-      const State to = coder.state_of(node);
-      if (end == node + 1) {
-        before = coder.decide_value(models_.fresh_leaf[has][before], to == kRoot ? 1 : 0);
-        if (!coder.add_if(before, node)) return false;
-        node = end;
-        continue;
-      }
-      if (coder.decide(models_.fresh_root[has][before], to == kRoot ? 0 : 1) == 0) {
-        before = kRoot;
-        if (!coder.add(node)) return false;
-        node = end;
-      } else if (coder.decide(models_.fresh_inside[has][before], to == kInside ? 1 : 0) != 0) {
-        open_[depth++] = {family_end, kInside};
-        family_end = end, before = kNoSibling;
-        ++node;
+      next_group(*family);
+      const Group& group = family->group;
+      if (group.leaves()) {
+        const uint32_t holds = coder.choose(models_.fresh_leaves[group.size - 1][has], coder.present(group));
+        if (!coder.add_group(holds & group.all(), group.starts[0])) return false;
+        family->left = 0;
       } else {
-        before = kNothing;
-        node = end;
+        family->left = coder.choose(models_.fresh[group.size - 1][has], coder.present(group)) & group.all();
+      }
+      while (true) {
+        if (family->left == 0) {
+          if (family->next != family->end) break;
+          if (family == first) return true;
+          --family;
+          continue;
+        }
+        const auto i = static_cast<uint32_t>(std::countr_zero(family->left));
+        const uint32_t node = family->group.starts[i], node_end = family->group.starts[i + 1];
+        family->left &= family->left - 1;
+        if (node_end != node + 1 &&
+            coder.choose(models_.fresh_inside[has], coder.state_of(node, node_end) == kInside ? 1 : 0) != 0) {
+          family += (family->left | (family->next ^ family->end)) != 0 ? 1 : 0;
+          family->next = node + 1, family->end = node_end;
+          break;
+        }
+        if (!coder.add_if(1, node)) return false;
       }
     }
   }
@@ -261,14 +368,14 @@ class Walk {
   const uint32_t* end_;
   uint32_t size_;
   Models& models_;
-  std::array<OpenFamily, kMaxForestDepth> open_{};  // a forest is no deeper
+  std::array<Family, kMaxForestDepth + 1> open_;  // a forest is no deeper; each is set before it is read
 };
 
 /// How far back the reference of a set is: 1 the set before it; 0: it has none.
 template <class Coder>
 uint32_t code_reference(Models& models, Coder& coder, uint32_t back) {
   uint32_t node = 1;
-  for (size_t i = kReferenceBits; i-- > 0;) node = node * 2 + coder.decide(models.reference[node], back >> i & 1U);
+  for (size_t i = kReferenceBits; i-- > 0;) node = node * 2 + coder.choose(models.reference[node], back >> i & 1U);
   return node - (1U << kReferenceBits);
 }
 
@@ -298,10 +405,9 @@ uint32_t choose_reference(const IdSetBlock& sets, size_t i) {
 
 std::vector<std::byte> encode_block(const IdForest& forest, const IdSetBlock& sets) {
   assert(sets.ends.size() <= kMaxSetsInBlock);
-  std::vector<std::byte> bytes;
-  RangeEncoder encoder(bytes);
+  RansEncoder encoder;
   Models models;
-  Telling teller(forest, encoder);
+  Telling teller(encoder);
   Walk<Telling> walk(forest, models);
   for (size_t i = 0; i < sets.ends.size(); ++i) {
     const std::span<const uint32_t> set = sets.set(i);
@@ -312,8 +418,7 @@ std::vector<std::byte> encode_block(const IdForest& forest, const IdSetBlock& se
     teller.begin(set);
     walk.set_from(reference, std::equal(set.begin(), set.end(), reference.begin(), reference.end()), teller);
   }
-  encoder.finish();
-  return bytes;
+  return encoder.finish();
 }
 
 Status decode_block(const IdForest& forest, std::span<const std::byte> bytes, std::span<uint32_t> ids,

@@ -1,40 +1,14 @@
 #pragma once
 // Adaptive binary range coding: decisions to bytes and back, each at the cost of its surprise. FORMAT.md says how.
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "codec/adaptive_models.h"
+
 namespace promenade {
-
-/// How likely a decision is to be 0, learned from those that went before in the same context: fast at first.
-class BitModel {
- public:
-  static constexpr unsigned kBits = 12;
-  /// In 1 / 4096, 1 to 4095.
-  [[gnu::always_inline]] uint32_t zero() const { return state_ >> (32 - kBits); }
-  [[gnu::always_inline]] void update(uint32_t bit) {
-    const uint32_t seen = state_ & kSeen, p = state_ >> 16;
-    const unsigned rate = kRates[seen];
-    const uint32_t next = bit == 0 ? p + ((0x10000U - p) >> rate) : p - (p >> rate);
-    state_ = next << 16 | (seen + (seen < kSeen ? 1 : 0));
-  }
-  /// The same without a branch on the decision.
-  [[gnu::always_inline]] void update_value(uint32_t bit) {
-    const uint32_t seen = state_ & kSeen, p = state_ >> 16;
-    const unsigned rate = kRates[seen];
-    const uint32_t mask = 0U - bit, up = (0x10000U - p) >> rate, down = p >> rate;
-    state_ = (p + (up & ~mask) - (down & mask)) << 16 | (seen + (seen < kSeen ? 1 : 0));
-  }
-
- private:
-  /// Shares of the way to certainty, as powers of two. At rate 5 both ends stay away from certainty by 31 / 65536.
-  static constexpr std::array<uint8_t, 16> kRates = {1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 4, 5};
-  static constexpr uint32_t kSeen = 15;
-  uint32_t state_ = 0x80000000U;  ///< the chance of a 0 in 1 / 65536, and in the last bits how often it was asked
-};
 
 /// Source of the arithmetic: G. N. N. Martin, Range encoding, 1979; here with 64 bits, of which 32 leave at once.
 class RangeEncoder {
@@ -42,7 +16,7 @@ class RangeEncoder {
   explicit RangeEncoder(std::vector<std::byte>& bytes) : bytes_(bytes), begin_(bytes.size()) {}
 
   void put(BitModel& model, uint32_t bit) {
-    const uint64_t bound = (range_ >> BitModel::kBits) * model.zero();
+    const uint64_t bound = (range_ >> kChanceBits) * model.zero<kChanceBits>();
     if (bit == 0) {
       range_ = bound;
     } else {
@@ -71,7 +45,7 @@ class RangeEncoder {
   }
 
   static constexpr uint64_t kLeastRange = uint64_t(1) << 32;
-  static constexpr unsigned kWordBits = 32;
+  static constexpr unsigned kWordBits = 32, kChanceBits = 12;
 
  private:
   void add(uint64_t value) {
@@ -101,7 +75,7 @@ class RangeDecoder {
   }
 
   [[gnu::always_inline]] uint32_t get(BitModel& model) {
-    const uint64_t bound = (range_ >> BitModel::kBits) * model.zero();
+    const uint64_t bound = (range_ >> RangeEncoder::kChanceBits) * model.zero<RangeEncoder::kChanceBits>();
     const uint32_t bit = code_ >= bound ? 1 : 0;
     if (bit == 0) {
       range_ = bound;
@@ -110,21 +84,6 @@ class RangeDecoder {
       range_ -= bound;
     }
     model.update(bit);
-    if (range_ < RangeEncoder::kLeastRange) {
-      get_word();
-      range_ <<= RangeEncoder::kWordBits;
-    }
-    return bit;
-  }
-
-  /// The same without a branch on the decision: for those that nothing but a value depends on.
-  [[gnu::always_inline]] uint32_t get_value(BitModel& model) {
-    const uint64_t bound = (range_ >> BitModel::kBits) * model.zero();
-    const uint32_t bit = code_ >= bound ? 1 : 0;
-    const uint64_t mask = uint64_t(0) - bit;
-    code_ -= bound & mask;
-    range_ = bound + ((range_ - 2 * bound) & mask);
-    model.update_value(bit);
     if (range_ < RangeEncoder::kLeastRange) {
       get_word();
       range_ <<= RangeEncoder::kWordBits;

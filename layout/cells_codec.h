@@ -9,7 +9,7 @@
 
 namespace promenade {
 
-constexpr uint32_t kCellsVersion = 3;
+constexpr uint32_t kCellsVersion = 4;
 constexpr uint64_t kCellsHeaderBytes = 312;
 
 /// What stands around the vLODs in cells.bin.

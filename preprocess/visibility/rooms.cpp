@@ -164,17 +164,31 @@ void RoomFinder::list_walls() {
     std::sort(face.leaves.begin(), face.leaves.end());
     face.leaves.erase(std::unique(face.leaves.begin(), face.leaves.end()), face.leaves.end());
   }
+  // Around a town is one room with a face for every wall outdoors: faces are found by their planes, not by their rooms.
+  struct Plane {
+    float at;
+    uint32_t face;
+  };
+  std::array<std::vector<Plane>, 3> planes;
+  for (uint32_t i = 0; i < work_.size(); ++i) {
+    const uint32_t axis = rooms_.space.faces[i].axis;
+    planes[axis].push_back({rectangle(i).min[static_cast<int>(axis)], i});
+  }
+  for (std::vector<Plane>& of_axis : planes)
+    std::sort(of_axis.begin(), of_axis.end(), [](const Plane& a, const Plane& b) { return a.at < b.at; });
   rooms_.first_wall.reserve(work_.size() + 1);
   rooms_.first_wall.push_back(0);
+  std::vector<uint32_t> leaves;
   for (uint32_t i = 0; i < work_.size(); ++i) {
     const uint32_t axis = rooms_.space.faces[i].axis;
     const Box near = rectangle(i).grown(Rooms::kSlackM);
-    std::vector<uint32_t> leaves;
-    for_each_room(rooms_, near, [&](uint32_t room) {
-      for (const uint32_t face : rooms_.space.faces_of(CellId{room}))
-        if (rooms_.space.faces[face].axis == axis && rectangle(face).overlaps(near))
-          leaves.insert(leaves.end(), work_[face].leaves.begin(), work_[face].leaves.end());
-    });
+    leaves.clear();
+    const auto before = [](const Plane& plane, float at) { return plane.at < at; };
+    for (auto plane =
+             std::lower_bound(planes[axis].begin(), planes[axis].end(), near.min[static_cast<int>(axis)], before);
+         plane != planes[axis].end() && plane->at <= near.max[static_cast<int>(axis)]; ++plane)
+      if (rectangle(plane->face).overlaps(near))
+        leaves.insert(leaves.end(), work_[plane->face].leaves.begin(), work_[plane->face].leaves.end());
     std::sort(leaves.begin(), leaves.end());
     leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
     for (const uint32_t leaf : leaves) rooms_.walls.push_back(leaves_[leaf]);
