@@ -22,7 +22,7 @@ constexpr size_t kCrowded = 10;
 constexpr uint32_t kMaxDepth = 40;         // halvings of one triangle below each other
 constexpr size_t kPiecesPerTriangle = 64;  // of both meshes; bounds the time on hostile input
 constexpr uint32_t kCutsAtOnce = 64;       // of one triangle: neighbours in turn ask for what is in the cache
-constexpr size_t kMostOpen = 1U << 16U;    // pieces waiting at a time: bounds the memory, about 14 MB
+constexpr size_t kMostOpen = 1U << 17U;    // pieces waiting at a time: bounds the memory, about 30 MB
 constexpr uint32_t kSamples = 512;         // of each direction: five of them above the 99th percentile
 constexpr float kWellInside = 1e-4F;       // barycentric: cuts nearer to a border would gain nothing, for ever
 constexpr float kFloorShare = 1e-5F;       // of the diagonal: differences below it are not pursued
@@ -59,6 +59,8 @@ class OpenPieces {
   }
 
   bool empty() const { return entries_.empty(); }
+  /// Whether one more cut may leave more than there is room for.
+  bool full() const { return entries_.size() + kMostLeft > kMostOpen; }
   float largest_bound() const { return entries_.front().bound; }
 
   /// The first, and its side.
@@ -71,6 +73,8 @@ class OpenPieces {
   }
 
  private:
+  static constexpr size_t kMostLeft = 4;  // by cuts along three borders
+
   struct Entry {
     float bound;
     uint32_t sequence;
@@ -186,11 +190,15 @@ class Direction {
   void bound_triangles() {
     for (size_t t = 0; t < from_.triangle_count(); ++t) {
       bound_triangle(t);
+      if (stack_.empty()) continue;
+      const Piece whole = stack_.back();
       for (uint32_t cuts = 0; !stack_.empty() && cuts < kCutsAtOnce; ++cuts) {
         const Piece top = stack_.back();
         stack_.pop_back();
         bound_piece(top);
       }
+      if (stack_.empty()) continue;
+      stack_.assign(1, whole);
       leave_open();
     }
   }
@@ -375,7 +383,7 @@ class Direction {
 /// Cuts what is open, the worst first, until nothing is left that matters, or it has become too much.
 void cut_open(std::array<Direction, 2>& sides, size_t cuts, Measure& measure) {
   OpenPieces& open = measure.open;
-  for (; cuts > 0 && !open.empty() && open.largest_bound() > measure.good_enough(); --cuts) {
+  for (; cuts > 0 && !open.empty() && !open.full() && open.largest_bound() > measure.good_enough(); --cuts) {
     const auto [piece, side] = open.take();
     sides[side].cut_open(piece);
   }
