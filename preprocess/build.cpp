@@ -22,7 +22,7 @@ namespace {
 
 constexpr uint64_t kHidersPart = 2;  // of the memory: nothing else of a build is in it by then
 
-constexpr uint32_t kUnitsVersion = 5;  // of the work units' content: a change makes builds begin anew
+constexpr uint32_t kUnitsVersion = 7;  // of the work units' content: a change makes builds begin anew
 
 /// Measures the stages of a build.
 class StageClock {
@@ -77,7 +77,7 @@ uint64_t hash_of(const BuildOptions& o, const MemoryBudget& budget, const Survey
 /// The grid of all leaves: far below their own detail, at most two millimetres (rounding by half of that shows as a
 /// pixel from nearer than a metre), no finer than single precision.
 float leaf_step_m(const Survey& survey, uint32_t node_triangles) {
-  constexpr double kStepsAcross = 65536;  // of a leaf of average size
+  constexpr double kStepsAcross = 16384;  // of a leaf of average size
   constexpr double kCoarsestM = 1.0 / 512;
   const double leaves = std::max(1.0, double(survey.triangles) / node_triangles);
   const double leaf_m = survey.world_box.diagonal() / std::sqrt(leaves);
