@@ -62,6 +62,9 @@ void print_totals(const FlyArguments& arguments, const FlightReport& report) {
   const FlightTotals& t = report.totals;
   fmt::print("{} frames: {:.1f} ms median, {:.1f} ms p99, {:.2f} ms deviation\n", t.frames, t.frame_ms_p50,
              t.frame_ms_p99, t.frame_ms_stddev);
+  fmt::print("  response {:.1f} ms median, {:.1f} ms p99; a frame selects {:.2f} ms, uploads {:.2f}, draws {:.2f}{}\n",
+             t.response_ms_p50, t.response_ms_p99, t.select_ms_mean, t.upload_ms_mean, t.draw_ms_mean,
+             t.wait_ms_mean > 0 ? fmt::format(", waits {:.2f} for what is chosen", t.wait_ms_mean) : "");
   const EstimateError error = estimate_error(report, true), cpu = estimate_cpu_error(report);
   fmt::print("  estimates {:+.1f} % off, deviation {:.1f} % (of drawing's processor time {:+.1f} % and {:.1f} %)",
              error.mean_percent, error.stddev_percent, cpu.mean_percent, cpu.stddev_percent);

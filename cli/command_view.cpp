@@ -50,7 +50,9 @@ Status run_view(const ViewArguments& arguments, Json& figures) {
   options.keep_target = arguments.app->count("--target-ms") == 0;
   const Result<ViewerReport> report = view(*source, options);
   if (!report) return report.error();
-  figures = {{"frames", report->frames}, {"frame_ms_mean", report->frame_ms_mean}};
+  figures = {{"frames", report->frames},
+             {"frame_ms_mean", report->frame_ms_mean},
+             {"response_ms_mean", report->response_ms_mean}};
   for (const std::filesystem::path& file : report->screenshots) fmt::print("{}\n", file.string());
   for (const std::filesystem::path& file : report->paths) fmt::print("{}\n", file.string());
   return Done{};
@@ -73,6 +75,7 @@ Command add_view(CLI::App& program) {
   app->add_option("--folder", arguments->folder, "Where screenshots and recorded paths go")->capture_default_str();
   add_camera_options(*app, arguments->view);
   add_fade_option(*app, arguments->view);
+  add_frames_ahead_option(*app, arguments->view);
   add_prefetch_options(*app, arguments->view);
   add_renderer_option(*app, arguments->view);
   add_far_style_option(*app, arguments->view);
@@ -80,7 +83,9 @@ Command add_view(CLI::App& program) {
   app->footer(
       "Keys: left mouse button look; double click go there; W A S D, arrows, space, C move; G walk or fly; Q E roll;\n"
       "wheel speed; F straighten; Home back to the start; 1-9 to a bookmark, Ctrl + 1-9 set it; B bird's eye (wheel:\n"
-      "height); V boxes of nodes in false colours; H panel; P screenshot; R record a path; L replay it; Escape leave.");
+      "height); V boxes of nodes in false colours; T what moves stops, or goes on; H panel; P screenshot; R record a "
+      "path;\n"
+      "L replay it; Escape leave.");
   return {app, {}, [arguments](JobMonitor&, Json& figures) { return run_view(*arguments, figures); }};
 }
 

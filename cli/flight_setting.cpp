@@ -16,6 +16,7 @@ void add_flight_options(CLI::App& app, FlightSetting& setting) {
   app.add_flag("--popping", setting.popping,
                "Measure how much of each picture popped: changed beyond what the camera's motion explains (slow)");
   add_fade_option(app, setting.view);
+  add_frames_ahead_option(app, setting.view);
   add_prefetch_options(app, setting.view);
   add_camera_options(app, setting.view);
   add_far_style_option(app, setting.view);

@@ -128,6 +128,16 @@ void add_fade_option(CLI::App& app, ViewOptions& options) {
       ->capture_default_str();
 }
 
+void add_frames_ahead_option(CLI::App& app, ViewOptions& options) {
+  constexpr int kMost = 64;  // as far as [funkhouser1993] went
+  app.add_option(
+         "--frames-ahead", options.session.frames_ahead,
+         "Choose so many frames while earlier ones are drawn: more frames a second where a processor is free for "
+         "it, each shown that much later (0: the quickest response)")
+      ->check(CLI::Range(0, kMost))
+      ->capture_default_str();
+}
+
 namespace {
 
 Result<FarStyle> parse_far_style(const std::string& text) {

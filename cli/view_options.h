@@ -47,6 +47,8 @@ void add_prefetch_options(CLI::App& app, ViewOptions& options);
 void add_far_style_option(CLI::App& app, ViewOptions& options);
 /// --fade-frames: for what shows frame after frame.
 void add_fade_option(CLI::App& app, ViewOptions& options);
+/// --frames-ahead: for the same.
+void add_frames_ahead_option(CLI::App& app, ViewOptions& options);
 
 Camera camera_of(const ViewOptions& options, const Pose& pose);
 Background background_of(const ViewOptions& options);

@@ -14,7 +14,7 @@
 #include "preprocess/object_units.h"
 #include "preprocess/partition.h"
 #include "preprocess/unit_io.h"
-#include "preprocess/visibility/hider_chain.h"
+#include "preprocess/visibility/hider_trial.h"
 
 namespace promenade {
 
@@ -255,9 +255,9 @@ class Build {
     if (!reader.ok()) return reader.error();
     const Result<ViewSpace> space = survey_view_space(*reader, options_.visibility, monitor_);
     if (!space.ok()) return space.error();
-    const std::vector<std::string>& names = resolved_hiders(options_.visibility.hiders, space->style);
     const Result<std::vector<std::unique_ptr<Hider>>> hiders =
-        make_hiders(names, *reader, {options_.memory_bytes / kHidersPart}, monitor_);
+        make_hiders_for(options_.visibility.hiders, *reader, *space, options_.visibility,
+                        {options_.memory_bytes / kHidersPart}, monitor_);
     if (!hiders.ok()) return hiders.error();
     clock_.end("hiders");
     for (const std::unique_ptr<Hider>& hider : *hiders)
@@ -267,7 +267,7 @@ class Build {
         compute_visibility(*reader, *space, *hiders, options_.visibility, hash_of(options_, hash_), folder_, monitor_);
     if (!made.ok()) return made.error();
     figures_.visibility = made->figures;
-    figures_.hiders = names;
+    for (const std::unique_ptr<Hider>& hider : *hiders) figures_.hiders.emplace_back(hider->name());
     figures_.units_total += made->figures.units.total;
     figures_.units_resumed += made->figures.units.resumed;
     const auto nodes = static_cast<uint32_t>(reader->model().tables.nodes.size());

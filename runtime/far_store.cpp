@@ -26,7 +26,7 @@ struct FarStore::State {
     uint64_t bytes = 0;                   ///< reserved
     bool failed = false;                  ///< never asked for again
     uint32_t holders = 0;                 ///< of its sides, the loader and the renderer: not to be dropped
-    Picture picture;                      ///< render thread's own
+    Picture picture;                      ///< written by the render thread
     std::vector<TextureHandle> textures;  ///< render thread's own
   };
 
@@ -49,6 +49,7 @@ struct FarStore::State {
   const ModelSource& source;
   const Renderer& renderer;
   const FarTables& tables;
+  FarKey key;  ///< the loader's own
   uint64_t capacity_bytes = 0, decoding_bytes = 0;
   mutable std::mutex mutex;
   std::vector<FarCellId> wanted;
@@ -117,6 +118,7 @@ FarStore::FarStore(const ModelSource& source, const Renderer& renderer, uint64_t
   for (uint32_t i = 0; i < s.tables.cells.size(); ++i) largest = std::max(largest, s.bytes_of(FarCellId{i}));
   for (uint32_t i = 0; i < s.tables.faces.size(); ++i)
     s.decoding_bytes = std::max(s.decoding_bytes, far_side_bytes(source, renderer, i).decoding);
+  s.decoding_bytes += FarKey::byte_size(s.tables);
   s.capacity_bytes = std::max(2 * largest, std::min(kComfortableCells * largest, memory_bytes / kMemoryPart));
 }
 
@@ -139,20 +141,27 @@ std::optional<FarStore::Picture> FarStore::find(FarCellId cell) const {
   return found->second.picture;
 }
 
-void FarStore::begin_frame(Renderer& renderer) {
-  std::vector<State::Cell> leaving;
+FarStore::Leaving FarStore::take_leaving() {
+  std::vector<State::Cell> cells;
   {
     const std::lock_guard lock(state_->mutex);
-    leaving.swap(state_->leaving);
+    cells.swap(state_->leaving);
   }
-  uint64_t bytes = 0;
-  for (const State::Cell& cell : leaving) {
-    for (const MeshHandle mesh : cell.picture.meshes) renderer.destroy(mesh);
-    for (const TextureHandle texture : cell.textures) renderer.destroy(texture);
-    bytes += cell.bytes;
+  Leaving leaving;
+  for (const State::Cell& cell : cells) {
+    leaving.meshes.insert(leaving.meshes.end(), cell.picture.meshes.begin(), cell.picture.meshes.end());
+    leaving.textures.insert(leaving.textures.end(), cell.textures.begin(), cell.textures.end());
+    leaving.bytes += cell.bytes;
   }
+  return leaving;
+}
+
+void FarStore::let_go(const Leaving& leaving, Renderer& renderer) {
+  if (leaving.bytes == 0 && leaving.meshes.empty() && leaving.textures.empty()) return;
+  for (const MeshHandle mesh : leaving.meshes) renderer.destroy(mesh);
+  for (const TextureHandle texture : leaving.textures) renderer.destroy(texture);
   const std::lock_guard lock(state_->mutex);
-  state_->used_bytes -= bytes;
+  state_->used_bytes -= leaving.bytes;
 }
 
 void FarStore::upload(Renderer& renderer) {
@@ -203,7 +212,7 @@ void FarStore::clear(Renderer& renderer) {
     }
     state_->wanted.clear();
   }
-  begin_frame(renderer);
+  let_go(take_leaving(), renderer);
 }
 
 FarStore::Step FarStore::load_next() {
@@ -218,7 +227,7 @@ FarStore::Step FarStore::load_next() {
     ++s.cells.at(id).holders;
     face = s.record(id).first_face + s.cells.at(id).loaded;
   }
-  Result<StagedFarSide> side = stage_far_side(s.source, s.renderer, id, face);
+  Result<StagedFarSide> side = stage_far_side(s.source, s.renderer, id, face, s.key);
   const std::lock_guard lock(s.mutex);
   State::Cell& cell = s.cells.at(id);
   --cell.holders;

@@ -15,9 +15,9 @@
 
 namespace promenade {
 
-/// Thread: functions marked render on the render thread only, loader on the loader's; the others from either.
-/// Everything shared is guarded by one mutex that is not held while reading, decoding or uploading. A frame never waits
-/// for a picture.
+/// Thread: functions marked render on the render thread only, choose on whichever one thread selects, loader on the
+/// loader's; the others from any. Everything shared is guarded by one mutex that is not held while reading, decoding or
+/// uploading. A frame never waits for a picture.
 class FarStore {
  public:
   /// source must have far pictures, and outlive it, as must the renderer. memory_bytes: of the whole session.
@@ -29,17 +29,27 @@ class FarStore {
   /// The most that all pictures take, with one being decoded: room for two cells at least, for a few if they are small.
   uint64_t bound_bytes() const;
 
-  // --- render ---
+  // --- choose ---
   /// Cells in the order in which they matter. Others stay while there is room.
   void want(std::span<const FarCellId> cells);
-  /// A cell's sides in the renderer; nullopt: they are not all there (yet). Valid until the next begin_frame().
+  /// A cell's sides in the renderer; nullopt: they are not all there (yet). May be drawn in the frame that
+  /// is being chosen.
   struct Picture {
     std::vector<MeshHandle> meshes;
     uint64_t triangles = 0;
   };
   std::optional<Picture> find(FarCellId cell) const;
-  /// Gives up what the loader made room of.
-  void begin_frame(Renderer& renderer);
+  /// Handles of pictures that the loader made room of, to be destroyed before the frame that is chosen next is drawn,
+  /// and after those chosen before it, which may show them. Their bytes count until then.
+  struct Leaving {
+    std::vector<MeshHandle> meshes;
+    std::vector<TextureHandle> textures;
+    uint64_t bytes = 0;
+  };
+  Leaving take_leaving();
+
+  // --- render ---
+  void let_go(const Leaving& leaving, Renderer& renderer);
   /// Hands one side that was loaded to the renderer, so that no frame takes a whole picture.
   void upload(Renderer& renderer);
   /// Destroys every handle.
@@ -54,7 +64,7 @@ class FarStore {
   /// never asked for again: geometry serves.
   Step load_next();
 
-  // --- either ---
+  // --- any ---
   uint64_t bytes() const;         ///< that the pictures in memory take, at most bound_bytes()
   uint64_t sides_loaded() const;  ///< since the beginning
   uint64_t sides_uploaded() const;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <thread>
 
 namespace promenade {
@@ -40,12 +41,18 @@ class Timeline {
   Timeline(const CameraPath& path, Pacing pacing) : path_(path), pacing_(pacing), begin_(Clock::now()) {}
 
   double interval_s() const { return 1.0 / path_.fps; }
-  bool over() const {
-    return pacing_ == Pacing::every_frame ? frame_ >= path_.frame_count() : t_s_ > path_.duration_s();
+  /// To the next frame, the first at first, when its time has come; false: the path is over.
+  bool next() {
+    if (started_) advance();
+    started_ = true;
+    over_ = over_ || (pacing_ == Pacing::every_frame ? frame_ >= path_.frame_count() : t_s_ > path_.duration_s());
+    return !over_;
   }
   double t_s() const { return t_s_; }
   double dt_s() const { return t_s_ - last_t_s_; }
   Pose pose() const { return pose_at(path_, path_.keys.front().t_s + t_s_); }
+
+ private:
   void advance() {
     ++frame_;
     last_t_s_ = t_s_;
@@ -59,11 +66,11 @@ class Timeline {
     t_s_ = std::chrono::duration<double>(Clock::now() - begin_).count();
   }
 
- private:
   const CameraPath& path_;
   Pacing pacing_;
   Clock::time_point begin_;
   uint32_t frame_ = 0;
+  bool started_ = false, over_ = false;
   double t_s_ = 0, last_t_s_ = 0;
 };
 
@@ -137,7 +144,12 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
   totals.frame_ms_stddev = std::sqrt(mean_of(rows, [&totals](const FrameRow& r) {
     return (r.frame_ms - totals.frame_ms_mean) * (r.frame_ms - totals.frame_ms_mean);
   }));
-  totals.response_ms_p99 = percentile(response_ms, 0.99);
+  totals.response_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.response_ms; });
+  totals.response_ms_p50 = percentile(response_ms, 0.50), totals.response_ms_p99 = percentile(response_ms, 0.99);
+  totals.select_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.select_ms; });
+  totals.upload_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.upload_ms; });
+  totals.draw_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.draw_ms; });
+  totals.wait_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.wait_ms; });
   totals.triangles_drawn_mean = mean_of(rows, [](const FrameRow& r) { return r.triangles_drawn; });
   totals.far_triangles_mean = mean_of(rows, [](const FrameRow& r) { return r.far_triangles; });
   totals.nodes_drawn_mean = mean_of(rows, [](const FrameRow& r) { return r.nodes_drawn; });
@@ -174,28 +186,48 @@ Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const Ca
   const bool paced = options.pacing == Pacing::every_frame;
   const bool threaded = session_options.loader_thread;
   const uint64_t frames = path.frame_count();
-  for (Timeline time(path, options.pacing); !time.over(); time.advance()) {
+  Timeline time(path, options.pacing);
+  /// Of the frames asked for: when and where on the path, and how much time had been spent on other things than frames.
+  struct Asked {
+    double t_s = 0, elsewhere_ms = 0;
+    Camera camera;
+  };
+  std::deque<Asked> asked;
+  double elsewhere_ms = 0;
+  for (bool more = true;;) {
     if (monitor.cancelled()) return Error{"interrupted"};
-    camera.pose = time.pose();
-    session->set_time(time.t_s());
+    while (more && asked.size() <= session_options.frames_ahead) {
+      more = time.next();
+      if (!more) break;
+      camera.pose = time.pose();
+      session->set_time(time.t_s());
+      session->ask(camera, time.dt_s());
+      asked.push_back({time.t_s(), elsewhere_ms, camera});
+    }
+    if (asked.empty()) break;
     // A thread loads while the frame is drawn; without one the loader's turn comes after it.
     const double loader_ms = time.interval_s() * 1e3;
     if (paced && threaded) session->run_loader(loader_ms);
-    Result<FrameRow> row = session->frame(camera, time.dt_s());
+    Result<FrameRow> row = session->draw_next();
     if (!row) return row.error();
+    const Clock::time_point drawn = Clock::now();
+    const Asked shown = asked.front();
+    asked.pop_front();
     row->frame = static_cast<uint32_t>(report.rows.size());
+    row->t_s = shown.t_s;
+    if (paced) row->response_ms -= elsewhere_ms - shown.elsewhere_ms;
     if (options.redraw_every > 0 && row->frame % options.redraw_every == 0) {
       const Result<Session::Redraw> again = session->redraw();
       if (!again) return again.error();
       row->redraw_ms = again->ms, row->redraw_cpu_ms = again->cpu_ms;
     }
-    if (options.measure_popping) PROMENADE_TRY(popping.measure(renderer, camera, *row));
+    if (options.measure_popping) PROMENADE_TRY(popping.measure(renderer, shown.camera, *row));
     if (!threaded) session->run_loader(loader_ms);
     if (paced) session->wait_for_loader();
-    row->t_s = time.t_s();
     if (on_frame) PROMENADE_TRY(on_frame(*row, renderer));
     report.rows.push_back(std::move(*row));
     monitor.progress("fly", report.rows.size(), paced ? frames : 0);
+    elsewhere_ms += std::chrono::duration<double, std::milli>(Clock::now() - drawn).count();
   }
   report.loader = session->loader_counts();
   report.totals = totals_of(report.rows, session_options.select.time.target_ms);

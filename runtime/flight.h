@@ -20,6 +20,7 @@ enum class Pacing : uint8_t {
   /// gets
   /// exactly 1/fps of its own busy time (reading, the emulated disk included, and decoding; what it does not use is
   /// lost). So a slow machine draws the same frames with the same share of loading as one that keeps up.
+  /// Responses count what a frame's stages take, not these turns of the loader.
   every_frame,
   /// The camera moves by the wall clock; a frame shows the pose of the moment it starts, frames that are late fall out.
   real_time,
@@ -43,7 +44,8 @@ struct FlightOptions {
 struct FlightTotals {
   uint64_t frames = 0;
   double frame_ms_mean = 0, frame_ms_p50 = 0, frame_ms_p99 = 0, frame_ms_stddev = 0;
-  double response_ms_p99 = 0;
+  double response_ms_mean = 0, response_ms_p50 = 0, response_ms_p99 = 0;
+  double select_ms_mean = 0, upload_ms_mean = 0, draw_ms_mean = 0, wait_ms_mean = 0;  ///< as in FrameRow
   double triangles_drawn_mean = 0, nodes_drawn_mean = 0, nodes_missing_mean = 0;
   double toggles_per_frame = 0;
   uint64_t toggles_loading = 0;  ///< of all toggles: up, because the finer level had just been loaded

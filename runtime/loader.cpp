@@ -1,15 +1,14 @@
 #include "runtime/loader.h"
 
-#include <pthread.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 
 #include "runtime/decode_part.h"
+#include "runtime/thread_time.h"
 
 namespace promenade {
 namespace {
@@ -18,14 +17,6 @@ using Clock = std::chrono::steady_clock;
 
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
-
-/// Of the calling thread. Decoding is counted by it: on a busy machine the clock on the wall counts other programs, and
-/// a paced loader would be charged for them.
-double processor_ms() {
-  timespec now{};
-  if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) != 0) return 0;
-  return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
 }
 
 // [lakhia2004] section 4.2: "at a low operating system priority".
@@ -67,10 +58,10 @@ Loader::Step Loader::read_vlod() {
 
 Loader::Step Loader::load_far() {
   // Decoding is counted by the processor, as for nodes.
-  const double begin_ms = processor_ms();
+  const double begin_ms = own_cpu_ms();
   const FarStore::Step step = far_->load_next();
   if (!step.worked) return {};
-  return emulated(processor_ms() - begin_ms, step.bytes);
+  return emulated(own_cpu_ms() - begin_ms, step.bytes);
 }
 
 /// A read elsewhere of so many bytes.
@@ -102,7 +93,9 @@ Loader::Step Loader::read(const ResidentSet::Task& task) {
 }
 
 Loader::Step Loader::decode(const ResidentSet::Task& task) {
-  const double begin_ms = processor_ms();
+  // By the processor: on a busy machine the clock on the wall counts other programs, and a paced loader would be
+  // charged for them.
+  const double begin_ms = own_cpu_ms();
   StagedPart staged;
   const Status status =
       decode_part(source_, renderer_, task.node, set_.texture_of_part(task.part), task.stored, staged);
@@ -112,7 +105,7 @@ Loader::Step Loader::decode(const ResidentSet::Task& task) {
     set_.finish_mesh(task, std::move(staged.mesh));
   else
     set_.finish_texture(task, std::move(staged.texture));
-  return {Outcome::worked, processor_ms() - begin_ms, 0};
+  return {Outcome::worked, own_cpu_ms() - begin_ms, 0};
 }
 
 LoaderThread::LoaderThread(Loader& loader) : loader_(loader), thread_([this] { loop(); }) {}
@@ -162,15 +155,7 @@ void LoaderThread::wait() {
   changed_.wait(lock, [this] { return quiet_ || stop_; });
 }
 
-double LoaderThread::cpu_ms() const {
-  clockid_t clock{};
-  timespec taken{};
-  // std::thread's handle is a pthread_t here; asking is no change of the thread.
-  if (pthread_getcpuclockid(const_cast<std::thread&>(thread_).native_handle(), &clock) != 0 ||
-      clock_gettime(clock, &taken) != 0)
-    return 0;
-  return double(taken.tv_sec) * 1e3 + double(taken.tv_nsec) * 1e-6;
-}
+double LoaderThread::cpu_ms() const { return cpu_ms_of(thread_); }
 
 void LoaderThread::loop() {
   // Refused without rights on some systems: then it runs at the usual priority.

@@ -132,13 +132,10 @@ void select(const Model& model, const SelectView& view, std::span<const uint8_t>
   state.feedback_pixel_error =
       std::clamp(state.feedback_pixel_error, options.pixel_error, options.pixel_error * kFeedbackCoarsest);
   ++state.frame;
+  static_cast<SelectionSums&>(selection) = {};
   selection.front.clear();
   selection.updates.clear();
   selection.nodes_by_level.clear();
-  selection.triangles = selection.nodes_missing = selection.toggles_up = selection.toggles_down = 0;
-  selection.loaded_rejected = selection.toggles_loading = 0;
-  selection.cost = 0;
-  selection.optimisation_steps = selection.nodes_foreseen = 0;
   selection.load = load_of_picture(view.camera.width_px, view.camera.height_px);
   Selecting selecting(model, view, resident, options, state, selection);
   if (options.policy == Policy::cost_benefit)
@@ -165,7 +162,7 @@ void follow_target(double frame_ms, const TimeSliceOptions& options, SelectState
 
 }  // namespace
 
-void feed_back(const Selection& selection, double draw_ms, double frame_ms, const TimeSliceOptions& options,
+void feed_back(const SelectionSums& selection, double draw_ms, double frame_ms, const TimeSliceOptions& options,
                SelectState& state) {
   if (state.costs) state.costs->learn(selection.load, draw_ms);
   follow_target(frame_ms, options, state);

@@ -166,9 +166,8 @@ struct SelectState {
   uint64_t byte_size() const { return nodes.capacity() * sizeof(Node) + visits.capacity() * sizeof(Visit); }
 };
 
-struct Selection {
-  std::vector<NodeId> front;            ///< to draw, all resident, nearest first
-  std::vector<PriorityUpdate> updates;  ///< every node visited, each once
+/// What a selection comes to.
+struct SelectionSums {
   uint64_t triangles = 0;
   uint64_t nodes_missing = 0;       ///< nodes of the chosen front that were not resident: an ancestor stands in
   uint64_t toggles_up = 0;          ///< nodes drawn last frame, now refined ([lakhia2004] section 6.5)
@@ -181,6 +180,11 @@ struct Selection {
   DrawLoad load;                    ///< of the front, with the picture's
   double estimated_ms = 0;          ///< of drawing: by SelectState::costs, else overhead + v_time x cost
   double estimated_without_feedback_ms = 0;
+};
+
+struct Selection : SelectionSums {
+  std::vector<NodeId> front;             ///< to draw, all resident, nearest first
+  std::vector<PriorityUpdate> updates;   ///< every node visited, each once
   std::vector<uint32_t> nodes_by_level;  ///< of the front, by NodeRecord::level
 };
 
@@ -192,7 +196,7 @@ void select(const Model& model, const SelectView& view, std::span<const uint8_t>
 /// The feedback loops, once a frame after drawing. draw_ms: drawing (without a cost model selection, too), what
 /// estimated_ms is to foretell;
 /// frame_ms: all that the frame took, what shareTime is to keep near target_ms.
-void feed_back(const Selection& selection, double draw_ms, double frame_ms, const TimeSliceOptions& options,
+void feed_back(const SelectionSums& selection, double draw_ms, double frame_ms, const TimeSliceOptions& options,
                SelectState& state);
 
 /// cost_n, equation 3.1. Triangles, weighted.

@@ -11,6 +11,9 @@ namespace {
 /// Of shareTime that levels of detail get at least, however long the picture itself takes: coarser ones save little
 /// then.
 constexpr double kLeastPart = 4;
+/// Of the picture's own time that levels get at least: where it takes longer than the target, on a slow or busy
+/// machine, a handful of coarse nodes would save less than this part of the frame.
+constexpr double kLeastOfPicture = 0.25;
 
 class ByTime {
  public:
@@ -88,7 +91,8 @@ bool ByTime::time_allows(const Siblings& siblings, double share_ms) const {
 double ByTime::share_of_roots_ms() const {
   const double share_ms = s_.state.share_ms;
   const double picture_ms = s_.state.costs ? s_.state.costs->estimate_ms(s_.out.load) : 0;
-  return std::max(share_ms - picture_ms - s_.view.reserved_ms - moving_ms_, share_ms / kLeastPart);
+  return std::max(
+      {share_ms - picture_ms - s_.view.reserved_ms - moving_ms_, share_ms / kLeastPart, picture_ms * kLeastOfPicture});
 }
 
 void ByTime::run() {

@@ -87,7 +87,7 @@ struct ResidentSet::State {
     for (const NodeId root : model.tables.roots) nodes[index_of(root)].pinned = true;
     if (along_share > 0) find_order();
     memory.fixed = fixed + behind.capacity() * sizeof(NodeId) + list.byte_size() +
-                   nodes.size() * (sizeof(NodeState) + sizeof(MeshHandle) + 2) +
+                   nodes.size() * (sizeof(NodeState) + sizeof(MeshHandle) + sizeof(NodeId) + 2) +
                    parts.size() * (sizeof(Part) + sizeof(uint32_t)) + textures.size() * sizeof(TextureHandle);
     memory_peak = memory.total();
   }
@@ -160,6 +160,7 @@ struct ResidentSet::State {
   std::unordered_map<uint32_t, Transfer> transfers;
   std::deque<uint32_t>
       ready;  ///< staged parts in the order of their decoding: textures before the meshes that need them
+  std::vector<NodeId> arrived;  ///< uploaded since the last refresh(), in that order
   std::vector<NodeId> evicting;
   std::vector<uint32_t> releasing;
   uint64_t pending_bytes = 0;  ///< held by `evicting` and `releasing`
@@ -177,7 +178,9 @@ struct ResidentSet::State {
 
   // Render thread's own.
   std::vector<TextureHandle> textures;
+  /// Others may read those of nodes whose flag is set: nobody writes them then.
   std::vector<MeshHandle> meshes;
+  // Of the thread that chooses.
   std::vector<uint8_t> resident, drawn;
 };
 
@@ -515,39 +518,43 @@ std::span<const uint8_t> ResidentSet::resident() const { return state_->resident
 
 MeshHandle ResidentSet::mesh_of(NodeId id) const { return state_->meshes[index_of(id)]; }
 
-void ResidentSet::begin_frame(Renderer& renderer) {
+ResidentSet::Leaving ResidentSet::refresh() {
   State& s = *state_;
-  std::vector<NodeId> nodes;
-  std::vector<uint32_t> textures;
-  {
-    const std::lock_guard lock(s.mutex);
-    nodes.swap(s.evicting);
-    for (const uint32_t part : s.releasing) {
-      if (s.parts[part].status != PartStatus::releasing) continue;  // wanted again meanwhile
-      s.set_part_locked(part, PartStatus::destroying, s.parts[part].bytes);
-      textures.push_back(part);
-    }
-    s.releasing.clear();
+  Leaving leaving;
+  const std::lock_guard lock(s.mutex);
+  for (const NodeId id : s.arrived) s.resident[index_of(id)] = 1, s.drawn[index_of(id)] = 0;
+  s.arrived.clear();
+  leaving.nodes.swap(s.evicting);
+  for (const NodeId id : leaving.nodes) s.resident[index_of(id)] = 0;
+  for (const uint32_t part : s.releasing) {
+    if (s.parts[part].status != PartStatus::releasing) continue;  // wanted again meanwhile
+    s.set_part_locked(part, PartStatus::destroying, s.parts[part].bytes);
+    leaving.textures.push_back(part);
   }
-  if (nodes.empty() && textures.empty()) return;
-  for (const NodeId id : nodes) {
+  s.releasing.clear();
+  return leaving;
+}
+
+void ResidentSet::let_go(const Leaving& leaving, Renderer& renderer) {
+  if (leaving.nodes.empty() && leaving.textures.empty()) return;
+  State& s = *state_;
+  for (const NodeId id : leaving.nodes) {
     renderer.destroy(s.meshes[index_of(id)]);
     s.meshes[index_of(id)] = kNoMeshHandle;
-    s.resident[index_of(id)] = 0;
   }
-  for (const uint32_t part : textures) {
+  for (const uint32_t part : leaving.textures) {
     TextureHandle& handle = s.textures[s.texture_of_part[part]];
     renderer.destroy(handle);
     handle = kNoTextureHandle;
   }
   const std::lock_guard lock(s.mutex);
-  for (const NodeId id : nodes) {
+  for (const NodeId id : leaving.nodes) {
     const uint32_t part = s.mesh_part(id);
     s.pending_bytes -= s.parts[part].bytes;
     s.set_part_locked(part, PartStatus::absent, 0);
     s.nodes[index_of(id)].stage = NodeStage::absent;
   }
-  for (const uint32_t part : textures) {
+  for (const uint32_t part : leaving.textures) {
     s.pending_bytes -= s.parts[part].bytes;
     s.set_part_locked(part, PartStatus::absent, 0);
   }
@@ -583,7 +590,7 @@ void ResidentSet::update(std::span<const PriorityUpdate> updates, const std::fun
   s.list.update(s.updates);
 }
 
-/// The part is marked `uploading`: nobody else touches it. True: it was a node's mesh, and the node is resident now.
+/// The part is marked `uploading`: nobody else touches it. True: it was a node's mesh, and the node is there now.
 bool ResidentSet::State::upload_part(uint32_t part, Renderer& target) {
   std::unique_ptr<StagedMesh> mesh;
   std::unique_ptr<StagedTexture> texture;
@@ -609,8 +616,6 @@ bool ResidentSet::State::upload_part(uint32_t part, Renderer& target) {
     const Result<MeshHandle> handle = target.create_mesh(*mesh, textures);
     if (handle) {
       meshes[index_of(id)] = *handle;
-      resident[index_of(id)] = 1;
-      drawn[index_of(id)] = 0;
       bytes = target.bytes_of(*handle);
     } else {
       problem = handle.error().message;
@@ -631,6 +636,7 @@ bool ResidentSet::State::upload_part(uint32_t part, Renderer& target) {
   set_part_locked(part, PartStatus::uploaded, bytes);
   if (is_mesh) {
     nodes[index_of(id)].stage = NodeStage::resident;
+    arrived.push_back(id);
     ++counts.nodes_loaded;
     return true;
   }
@@ -645,7 +651,7 @@ bool ResidentSet::State::upload_part(uint32_t part, Renderer& target) {
 uint32_t ResidentSet::upload(Renderer& renderer, double budget_ms) {
   State& s = *state_;
   const double begin = now_ms();
-  uint32_t became_resident = 0;
+  uint32_t arrived = 0;
   for (bool first = true; first || now_ms() - begin < budget_ms; first = false) {
     uint32_t part = 0;
     {
@@ -655,9 +661,9 @@ uint32_t ResidentSet::upload(Renderer& renderer, double budget_ms) {
       s.ready.pop_front();
       s.set_part_locked(part, PartStatus::uploading, s.parts[part].bytes);
     }
-    if (s.upload_part(part, renderer)) ++became_resident;
+    if (s.upload_part(part, renderer)) ++arrived;
   }
-  return became_resident;
+  return arrived;
 }
 
 void ResidentSet::mark_drawn(std::span<const NodeId> front) {
@@ -726,6 +732,7 @@ Status ResidentSet::State::load_root(NodeId root, Renderer& target) {
 
 Status ResidentSet::load_roots(Renderer& renderer) {
   for (const NodeId root : state_->model.tables.roots) PROMENADE_TRY(state_->load_root(root, renderer));
+  refresh();  // nothing is leaving yet
   const std::lock_guard lock(state_->mutex);
   state_->pinned_bytes = state_->memory.uploaded;
   return Done{};
@@ -757,6 +764,15 @@ uint64_t ResidentSet::memory_peak_bytes() const {
 LoaderCounts ResidentSet::counts() const {
   const std::lock_guard lock(state_->mutex);
   return state_->counts;
+}
+
+std::vector<NodeId> ResidentSet::resident_nodes() const {
+  const State& s = *state_;
+  const std::lock_guard lock(s.mutex);
+  std::vector<NodeId> nodes;
+  for (uint32_t i = 0; i < s.nodes.size(); ++i)
+    if (s.nodes[i].stage == NodeStage::resident) nodes.push_back(NodeId{i});
+  return nodes;
 }
 
 std::vector<std::string> ResidentSet::failures() const {

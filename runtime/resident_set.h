@@ -28,9 +28,9 @@ struct MemoryUse {
   uint64_t total() const { return fixed + partial + decoding + staged + uploaded; }
 };
 
-/// Thread: functions marked render on the render thread only, loader on whichever one thread steps the loader; the
-/// others from either. Everything shared is guarded by one mutex that is never held while reading, decoding, uploading
-/// or drawing.
+/// Thread: functions marked render on the render thread only, choose on whichever one thread selects (the render
+/// thread, or one beside it), loader on whichever one thread steps the loader; the others from any. Everything shared
+/// is guarded by one mutex that is never held while reading, decoding, uploading or drawing.
 class ResidentSet {
  public:
   /// along_share: of the largest priority, what a node must have to be read before it because it lies where the last
@@ -44,21 +44,31 @@ class ResidentSet {
   // --- render ---
   /// Loads and uploads every root, synchronously. Errors name the node or the memory that is lacking.
   Status load_roots(Renderer& renderer);
-  /// One flag a node, constant between two calls of begin_frame() and upload(): what may be drawn.
+  /// Handles of what is not shown any more, to be destroyed before the frame that is chosen next is drawn, and after
+  /// those chosen before it, which may show it. Its bytes count until then.
+  struct Leaving {
+    std::vector<NodeId> nodes;
+    std::vector<uint32_t> textures;  ///< parts
+  };
+  void let_go(const Leaving& leaving, Renderer& renderer);
+  /// Uploads what is staged, most important first, until budget_ms is over (at least one part). Returns how many nodes
+  /// may be shown from the next refresh() on.
+  uint32_t upload(Renderer& renderer, double budget_ms);
+  /// Destroys every handle.
+  void clear(Renderer& renderer);
+
+  // --- choose ---
+  /// Brings the flags up to date: what has been uploaded may be shown, what the loader wants evicted may not.
+  Leaving refresh();
+  /// One flag a node, constant between two calls of refresh(): what may be drawn.
   std::span<const uint8_t> resident() const;
+  /// Of a node whose flag is set.
   MeshHandle mesh_of(NodeId id) const;
-  /// Gives up what the loader asked to evict.
-  void begin_frame(Renderer& renderer);
   /// Hands over priorities. Nodes listed before and not among `updates` are priced by `reprice` if they hold memory,
   /// else leave the list.
   void update(std::span<const PriorityUpdate> updates, const std::function<float(NodeId)>& reprice);
-  /// Uploads what is staged, most important first, until budget_ms is over (at least one part). Returns nodes that
-  /// became resident.
-  uint32_t upload(Renderer& renderer, double budget_ms);
   /// Counts the bytes of these nodes' segments as useful.
   void mark_drawn(std::span<const NodeId> front);
-  /// Destroys every handle.
-  void clear(Renderer& renderer);
 
   // --- loader ---
   enum class Next : uint8_t {
@@ -85,10 +95,12 @@ class ResidentSet {
   /// Texture index of a part, or kNoTexture for a mesh.
   uint32_t texture_of_part(uint32_t part) const;
 
-  // --- either ---
+  // --- any ---
   MemoryUse memory() const;
   uint64_t memory_peak_bytes() const;
   LoaderCounts counts() const;
+  /// Nodes that the renderer holds.
+  std::vector<NodeId> resident_nodes() const;
   /// First few error messages of parts that failed.
   std::vector<std::string> failures() const;
 

@@ -1,6 +1,7 @@
 #pragma once
 // A model being looked at: resident set, loader, policy and renderer, a frame at a time. What `fly`, `view` and `render
-// MODEL` have in common.
+// MODEL` have in common. The stages of a frame: ask() reads pose and settings; choosing (frame_chooser.h) runs in
+// draw_next(), or beside it for frames ahead (choosing_thread.h); draw_next() uploads and draws.
 
 #include <cstdint>
 #include <memory>
@@ -10,7 +11,7 @@
 #include <vector>
 
 #include "geometry/result.h"
-#include "runtime/cursor.h"
+#include "runtime/frame.h"
 #include "runtime/importance.h"
 #include "runtime/loader.h"
 #include "runtime/model_source.h"
@@ -19,12 +20,6 @@
 #include "runtime/renderer.h"
 
 namespace promenade {
-
-/// What the policies with far pictures draw of the two, [xiong1996] section 5.1.
-enum class FarStyle : uint8_t { full, near_only, far_only };
-/// "full", "near", "far".
-std::string_view name_of(FarStyle style);
-std::optional<FarStyle> far_style_named(std::string_view name);
 
 struct SessionOptions {
   SelectOptions select;
@@ -46,50 +41,10 @@ struct SessionOptions {
   uint32_t fade_frames = 8;
   RangeOptions range;  ///< of the eye: whose cells' vLODs are read beforehand
   FarStyle far_style = FarStyle::full;
+  /// Frames that are chosen while earlier ones are drawn, [funkhouser1993] chapter 6: more frames a second where a
+  /// processor is free to choose them, each shown that much later after its pose was read. 0: one after the other.
+  uint32_t frames_ahead = 0;
   ClassWeights class_weights;  ///< how much what the source calls so matters; by default all alike
-};
-
-/// An eye that moves faster has jumped: it has no speed that would tell where it goes next. Faster than airliners.
-constexpr double kFastestFlightMPerS = 300;
-
-/// What one frame did. Names as in `fly --json`.
-struct FrameRow {
-  uint32_t frame = 0;
-  double t_s = 0;
-  double frame_ms = 0;  ///< select + upload + draw: what the render thread was busy with
-  double select_ms = 0, upload_ms = 0, draw_ms = 0;
-  double response_ms = 0;  ///< from reading the pose to the finished picture, waiting included
-  /// What frame_ms was expected to be when the front had been chosen and drawing began.
-  double estimated_ms = 0, estimated_without_feedback_ms = 0;
-  double share_ms = 0;  ///< shareTime of the roots
-  double moved_m = 0;   ///< since the frame before
-  uint64_t triangles_drawn = 0, nodes_drawn = 0, nodes_missing = 0;
-  uint64_t toggles = 0, toggles_up = 0, toggles_down = 0;
-  uint64_t toggles_loading = 0;  ///< of those up: what came was not there a frame before
-  uint64_t nodes_fading = 0;     ///< drawn besides the front, for fades; their triangles are in triangles_drawn
-  double pace = 1;               ///< of the machine: how much longer frames take than measured once
-  uint64_t resident_bytes = 0;   ///< all that the memory bound counts
-  uint64_t bytes_read = 0;       ///< since the frame before
-  std::optional<CellId> cell;    ///< the eye's; nullopt: outside
-  bool cell_crossed = false;     ///< into another cell than in the frame before
-  bool vlod_missing = false;     ///< the policy asks for the cell's vLOD, which is not read yet: the tree alone served
-  uint64_t far_layers = 0;       ///< far pictures drawn: 2 while one fades into the next; 0: geometry alone
-  uint64_t far_triangles = 0;    ///< of them, in triangles_drawn, too
-  bool far_crossed = false;      ///< into another far cell than in the frame before
-  bool far_late = false;         ///< the last far cell's picture stood in
-  bool far_missing = false;      ///< geometry stood in for a far cell's picture
-  uint64_t nodes_foreseen = 0;   ///< that may be wanted soon, besides those that are
-  uint64_t range_cells = 0;      ///< that the eye may be in within the horizon
-  uint64_t delta_nodes = 0;      ///< that came or went with the vLOD that is now used
-  uint64_t delta_bytes = 0;      ///< that it took on disk
-  std::vector<uint32_t> nodes_by_level;
-  double draw_cpu_ms = 0;  ///< processor time of drawing, all threads but the loader's
-  /// What that was expected to be: an estimate that other programs on the machine do not disturb. 0: no cost model.
-  double estimated_cpu_ms = 0;
-  double redraw_ms = 0;  ///< fly: the same picture drawn again; 0: it was not
-  double redraw_cpu_ms = 0;
-  /// fly: of the pixels, and by areas (runtime/popping.h)
-  std::optional<double> popped_share, popped_area_share;
 };
 
 /// One thread (the renderer's).
@@ -103,8 +58,16 @@ class Session {
   Session& operator=(Session&&) noexcept;
   ~Session();
 
-  /// Selects, hands priorities to the loader, uploads what it brought, draws. dt_s: path time since the last frame, for
-  /// the velocity; 0 at first.
+  /// Asks for a frame as the settings are now, to be drawn after those asked for before; no more than
+  /// SessionOptions::frames_ahead + 1 at once. dt_s: path time since the last frame, for the velocity; 0 at first.
+  /// read: when the pose was read; nullopt: now.
+  void ask(const Camera& camera, double dt_s, std::optional<std::chrono::steady_clock::time_point> read = {});
+  uint32_t frames_asked() const;  ///< and not drawn yet
+  uint32_t frames_ahead() const;
+  /// Uploads what the loader brought; chooses the frame asked for first (unless that has been done beside the last one)
+  /// and hands its priorities to the loader; draws. There must be a frame asked for.
+  Result<FrameRow> draw_next();
+  /// Both, after drawing those asked for before: the row of this one.
   Result<FrameRow> frame(const Camera& camera, double dt_s);
 
   /// Gives the loader this much of its own time. With a thread: it may run on beside the caller; without: runs it here.
@@ -128,8 +91,9 @@ class Session {
   /// few.
   Status measure_overhead(const Camera& camera);
 
+  /// Of the frame drawn last.
   const Selection& selection() const;
-  const SelectState& select_state() const;
+  const Camera& camera_drawn() const;
   LoaderCounts loader_counts() const;
   /// Messages of the first few segments that could not be read, decoded or uploaded.
   std::vector<std::string> failures() const;
@@ -137,16 +101,16 @@ class Session {
   std::vector<NodeId> resident_nodes() const;
   uint64_t resident_bytes() const;
   uint64_t resident_bytes_peak() const;
-  /// Of what moves: holds from the next frame on.
+  /// Of what moves. This and all settings: hold from the next ask() on, and may be changed between two.
   void set_time(double time_s);
   /// The model with what moves where it was drawn last.
   const Model& model_now() const;
   const ClassWeights& class_weights() const;
-  void set_class_weight(const std::string& class_name, double weight);  ///< in [0, 1]; may be called between frames
-  SelectOptions& select_options();                                      ///< may be changed between frames
-  FrameView& frame_view();  ///< light and background; may be changed between frames
-  uint32_t& fade_frames();  ///< may be changed between frames
-  FarStyle& far_style();    ///< may be changed between frames
+  void set_class_weight(const std::string& class_name, double weight);  ///< in [0, 1]
+  SelectOptions& select_options();
+  FrameView& frame_view();  ///< light and background
+  uint32_t& fade_frames();
+  FarStyle& far_style();
 
  private:
   struct State;

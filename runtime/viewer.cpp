@@ -98,6 +98,7 @@ class Viewer {
   void go_to_click();
   bool pressed(int key);
   void record(double t_s);
+  Status show(double now_s);
   Status draw(const FrameRow& row);
   Status present();
   Status screenshot();
@@ -129,6 +130,8 @@ class Viewer {
   bool recording_ = false;
   CameraPath path_, recorded_;  ///< being recorded; the last that was
   FramePlots plots_;
+  FrameRow row_;                                 ///< of the frame shown last
+  double total_ms_ = 0, response_total_ms_ = 0;  ///< of all frames
   std::string message_;
   ViewerReport report_;
 };
@@ -242,19 +245,20 @@ void Viewer::move(const Motion& motion, double dt_s) {
 void Viewer::go_to_click() {
   if (bird_) return;
   const ImVec2 at = ImGui::GetIO().MousePos, size = ImGui::GetIO().DisplaySize;
-  const double x_px = double(at.x) / double(size.x) * camera_.width_px,
-               y_px = double(at.y) / double(size.y) * camera_.height_px;
-  if (!(x_px >= 0 && y_px >= 0 && x_px < camera_.width_px && y_px < camera_.height_px)) return;
+  const Camera& seen = session_.camera_drawn();  // the picture that was clicked on
+  const double x_px = double(at.x) / double(size.x) * seen.width_px,
+               y_px = double(at.y) / double(size.y) * seen.height_px;
+  if (!(x_px >= 0 && y_px >= 0 && x_px < seen.width_px && y_px < seen.height_px)) return;
   const Result<std::vector<float>> depths = drawing_.renderer->read_depth();
   if (!depths) return;
-  const float depth_m = (*depths)[static_cast<size_t>(y_px) * camera_.width_px + static_cast<size_t>(x_px)];
+  const float depth_m = (*depths)[static_cast<size_t>(y_px) * seen.width_px + static_cast<size_t>(x_px)];
   if (!std::isfinite(depth_m)) return;
-  const RasterView view = perspective_view(camera_, glm::dvec3(0));
+  const RasterView view = perspective_view(seen, glm::dvec3(0));
   const glm::dvec3 way = ray_direction(view, x_px, y_px) * double(depth_m);
   const double distance_m = glm::length(way);
-  Pose target = camera_.pose;
+  Pose target = seen.pose;
   target.eye += way * (std::max(distance_m / 2, distance_m - kBeforeM) / distance_m);
-  if (on_foot_) target.eye.z = camera_.pose.eye.z + way.z + WalkOptions().eye_height_m;
+  if (on_foot_) target.eye.z = seen.pose.eye.z + way.z + WalkOptions().eye_height_m;
   by_itself_.glide(camera_.pose, target);
 }
 
@@ -279,18 +283,19 @@ Status Viewer::stop_recording() {
 
 /// The picture of the frame, or the bird's of it, with what is drawn over it.
 Status Viewer::draw(const FrameRow& row) {
-  const Camera shown = bird_ ? birds_eye(camera_, bird_m_) : camera_;
+  const Camera& own = session_.camera_drawn();
+  const Camera shown = bird_ ? birds_eye(own, bird_m_) : own;
   if (bird_) PROMENADE_TRY(session_.draw_from(shown));
   PROMENADE_TRY(present());
   if (bird_ || boxes_ != BoxColors::none)
     draw_overlay(perspective_view(shown, source_.model().manifest.origin), source_, session_, boxes_,
-                 bird_ ? &camera_ : nullptr, row.cell);
+                 bird_ ? &own : nullptr, row.cell);
   return Done{};
 }
 
 Status Viewer::present() {
   if (drawing_.gl != nullptr) {
-    drawing_.gl->present(camera_.width_px, camera_.height_px);
+    drawing_.gl->present(session_.camera_drawn().width_px, session_.camera_drawn().height_px);
     return Done{};
   }
   const Result<Image> picture = drawing_.renderer->read_color();
@@ -367,39 +372,50 @@ void Viewer::draw_panel(const FrameRow& row) {
   ImGui::End();
 }
 
+/// The frame that was asked for first; none while those ahead are still too few.
+Status Viewer::show(double now_s) {
+  if (session_.frames_asked() > session_.frames_ahead()) {
+    Result<FrameRow> row = session_.draw_next();
+    if (!row) return row.error();
+    ++report_.frames;
+    total_ms_ += row->frame_ms;
+    plots_.add(*row);
+    row_ = std::move(*row);
+    PROMENADE_TRY(draw(row_));
+  }
+  write_files(now_s);
+  if (panel_) draw_panel(row_);
+  return Done{};
+}
+
 Result<ViewerReport> Viewer::run() {
   recorded_ = options_.replay;
   if (!recorded_.keys.empty()) by_itself_.replay(recorded_);
   const Clock::time_point begin = Clock::now();
   Clock::time_point polled = begin;
-  double last_s = 0, total_ms = 0;
+  double last_s = 0;
   while (!window_.closing() && (options_.max_frames == 0 || report_.frames < options_.max_frames)) {
     const double now_s = std::chrono::duration<double>(Clock::now() - begin).count();
     const double dt_s = std::min(now_s - last_s, kLongestStepS);
     last_s = now_s;
     panels_.begin();
-    const Clock::time_point asked = polled;  // keys and mouse of this frame are as they were then
     read_keys(dt_s);
     camera_.width_px = window_.width_px();
     camera_.height_px = window_.height_px();
     if (playing_) time_s_ += dt_s;
     session_.set_time(time_s_);
-    const Result<FrameRow> row = session_.frame(camera_, dt_s);
-    if (!row) return row.error();
-    ++report_.frames;
-    total_ms += row->frame_ms;
-    plots_.add(*row);
-    PROMENADE_TRY(draw(*row));
-    write_files(now_s);
-    if (panel_) draw_panel(*row);
+    // Keys and mouse of this frame are as they were when they were last polled.
+    session_.ask(camera_, dt_s, polled);
+    PROMENADE_TRY(show(now_s));
     panels_.end();
     window_.swap_and_poll();
     polled = Clock::now();
-    plots_.set_response_ms(std::chrono::duration<double, std::milli>(polled - asked).count());
+    response_total_ms_ += plots_.shown();
   }
   if (recording_) PROMENADE_TRY(stop_recording());
   keep_settings();
-  report_.frame_ms_mean = report_.frames == 0 ? 0 : total_ms / double(report_.frames);
+  const double frames = std::max(1.0, double(report_.frames));
+  report_.frame_ms_mean = total_ms_ / frames, report_.response_ms_mean = response_total_ms_ / frames;
   return report_;
 }
 

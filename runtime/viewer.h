@@ -32,6 +32,7 @@ struct ViewerOptions {
 struct ViewerReport {
   uint32_t frames = 0;
   double frame_ms_mean = 0;
+  double response_ms_mean = 0;  ///< from asking for keys and mouse to the picture in the window
   std::vector<std::filesystem::path> screenshots, paths;
 };
 

@@ -2,6 +2,8 @@
 // What stands beside the picture: figures, plots, settings; and over it: cells, boxes, the view pyramid.
 
 #include <array>
+#include <chrono>
+#include <optional>
 #include <string>
 
 #include "runtime/overlay.h"
@@ -12,9 +14,11 @@ namespace promenade {
 /// The last frames' figures.
 class FramePlots {
  public:
+  /// Of a picture that has just been drawn.
   void add(const FrameRow& row);
-  /// From asking for keys and mouse to the picture that follows them.
-  void set_response_ms(double ms) { response_ms_ = ms; }
+  /// It is in the window now. Returns how long that took from when keys and mouse were asked for, milliseconds; 0:
+  /// there was no picture.
+  double shown();
   void draw(const Session& session, double target_ms, uint64_t memory_bytes) const;
 
  private:
@@ -23,6 +27,7 @@ class FramePlots {
   static void push(Plot& plot, double value);
   Plot frame_ms_{}, resident_mib_{}, read_kib_{};
   FrameRow last_;
+  std::optional<std::chrono::steady_clock::time_point> drawn_;  ///< not shown yet
   double response_ms_ = 0;
 };
 

@@ -63,36 +63,37 @@ bool meets(const Box& clear, const glm::vec2& a, const glm::vec2& b) {
 
 }  // namespace
 
-/// Follows a polygon around the eye and hands over each bin that it crosses from one boundary to the other: only such
-/// a bin is covered as a whole.
+/// Follows a polygon around the eye and hands over each bin that it crosses from one boundary to the other, on whatever
+/// way, to and fro: only such a bin is covered as a whole.
 struct AzimuthHorizon::Walk {
+  enum class From : uint8_t { unknown, clockwise_end, counter_clockwise_end };
   AzimuthHorizon& horizon;
-  bool entered = false;  ///< over a boundary, going this way
-  bool counter_clockwise = true;
+  From from = From::unknown;  ///< the boundary over which the bin was entered
   uint32_t bin = 0;
-  double nearest_m = 0, farthest_m = 0;
-  uint32_t events = 0;  ///< boundaries crossed and turns made
-  glm::dvec2 last{0};   ///< the end of the last side, and its place around the eye
+  double nearest_m = 0, farthest_m = 0;  ///< since then
+  uint32_t events = 0;                   ///< boundaries crossed and new starts made
+  glm::dvec2 last{0};                    ///< the end of the last side, and its place around the eye
   double last_turn = 0;
 
-  void restart() { entered = false, ++events; }
+  void restart() { from = From::unknown, ++events; }
 
   /// Along one side, relative to the eye.
   void side(const glm::dvec2& a, const glm::dvec2& b) {
     const double turning = cross(a, b);
     const glm::dvec2 along = b - a;
     const double length = glm::length(along);
-    const double off_m = std::abs(turning) / std::max(length, 1e-30);  // of the side's line from the eye
     if (length <= 0) return;
-    if (off_m < kLeastM) return restart();  // seen edge-on
-    const bool ccw = turning > 0;
+    const double off_m = std::abs(turning) / length;  // of the side's line from the eye
     const double turn_a = a == last ? last_turn : turn_of(a) * kBinsATurn, turn_b = turn_of(b) * kBinsATurn;
     last = b, last_turn = turn_b;
     const auto bin_a = static_cast<uint32_t>(turn_a) & kBinMask, bin_b = static_cast<uint32_t>(turn_b) & kBinMask;
-    if (events == 0 || ccw != counter_clockwise || bin != bin_a) {
+    if (events == 0 || bin != bin_a) {
       restart();
-      counter_clockwise = ccw, bin = bin_a;
+      bin = bin_a;
     }
+    // Seen edge-on: it stays in its bin, or which way it goes around the eye is uncertain.
+    if (off_m < kLeastM && (bin_a != bin_b || glm::dot(a, b) <= 0)) return restart();
+    const bool ccw = turning > 0;
     uint32_t steps = ccw ? (bin_b - bin_a) & kBinMask : (bin_a - bin_b) & kBinMask;
     if (steps > kBins / 2 + 1) return restart();  // rounding put an end beyond a boundary: not a real sweep
     if (steps > 0 && !horizon.wanted(ccw ? bin : bin_b, steps + 1)) {
@@ -108,19 +109,20 @@ struct AzimuthHorizon::Walk {
       nearest_m = std::min(nearest_m, least), farthest_m = std::max({farthest_m, r, r_to});
       t = to, r = r_to;
     };
+    const From entry = ccw ? From::clockwise_end : From::counter_clockwise_end;
     for (; steps > 0; --steps) {
       const uint32_t next = (ccw ? bin + 1 : bin - 1) & kBinMask;
       if (!horizon.wanted(bin, 1) && !horizon.wanted(next, 1)) {
-        bin = next, entered = false, ++events;
+        bin = next, from = From::unknown, ++events;
         continue;
       }
       const glm::dvec2& way = ways[ccw ? next : bin];
       // a + s along lies on the way: cross(a, way) + s cross(along, way) = 0
       const double s = std::clamp(-cross(a, way) / cross(along, way), t, 1.0);
       advance(s, glm::length(a + along * s));
-      if (entered) horizon.commit(bin, nearest_m, farthest_m);
+      if (from == entry) horizon.commit(bin, nearest_m, farthest_m);
       bin = next;
-      entered = true, ++events;
+      from = entry, ++events;
       nearest_m = farthest_m = r;
     }
     advance(1, glm::length(b));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "geometry/box_tree.h"
 #include "layout/cell_faces.h"
 #include "preprocess/visibility/leaf_meshes.h"
 #include "preprocess/visibility/wall_mask.h"
@@ -68,6 +69,13 @@ class RoomFinder {
   void find_openings();
   void sort_rooms();
 
+  /// Of those across an axis, every one whose rectangle touches the box. Not by rooms: around a town is one with a face
+  /// for every wall outdoors.
+  template <class Visit>
+  void for_each_face(int axis, const Box& near, const Visit& visit) const {
+    const Faces& faces = faces_[static_cast<size_t>(axis)];
+    faces.tree.for_each_near(near, [&](uint32_t i) { visit(faces.numbers[i]); });
+  }
   std::mutex& lock_of(uint32_t face) { return locks_[face % locks_.size()]; }
   Box rectangle(uint32_t face) const { return rectangle_of(rooms_.space, rooms_.space.faces[face]); }
   static glm::dvec2 flat(const glm::vec3& p, int axis) { return {p[(axis + 1) % 3], p[(axis + 2) % 3]}; }
@@ -77,6 +85,11 @@ class RoomFinder {
   JobMonitor& monitor_;
   std::vector<NodeId> leaves_;
   Rooms rooms_;
+  struct Faces {
+    BoxTree tree;
+    std::vector<uint32_t> numbers;  ///< by number in the tree
+  };
+  std::array<Faces, 3> faces_;        ///< by the axis that they are across
   std::vector<FaceWork> work_;        ///< by face
   std::array<std::mutex, 64> locks_;  ///< of work_, by face
 };
@@ -97,6 +110,13 @@ Status RoomFinder::divide() {
   rooms_.space = tables_of(plan, FrontBound(), leaves);
   PROMENADE_TRY(find_faces(rooms_.space));
   work_.resize(rooms_.space.faces.size());
+  std::array<std::vector<Box>, 3> rectangles;
+  for (uint32_t i = 0; i < work_.size(); ++i) {
+    const uint32_t axis = rooms_.space.faces[i].axis;
+    rectangles[axis].push_back(rectangle(i));
+    faces_[axis].numbers.push_back(i);
+  }
+  for (size_t axis = 0; axis < 3; ++axis) faces_[axis].tree = BoxTree(rectangles[axis]);
   return Done{};
 }
 
@@ -133,18 +153,11 @@ void RoomFinder::add_walls(const std::array<glm::vec3, 3>& p, int axis, bool sho
   Box around;
   for (const glm::vec3& corner : p) around.add(corner);
   const Box wide = around.grown(kInPlaneM);
-  for_each_room(rooms_, wide, [&](uint32_t room) {
-    for (const uint32_t face : rooms_.space.faces_of(CellId{room})) {
-      const CellFace& f = rooms_.space.faces[face];
-      if (static_cast<int>(f.axis) != axis || index_of(f.below) != room) continue;
-      const float at = rooms_.space.cells[room].box.max[axis];
-      if (around.min[axis] < at - kInPlaneM || around.max[axis] > at + kInPlaneM) continue;
-      if (!rectangle(face).overlaps(wide)) continue;
-      found.push_back({face,
-                       {flat(p[0], axis), flat(p[1], axis), flat(p[2], axis)},
-                       two_sided || shows_up,
-                       two_sided || !shows_up});
-    }
+  for_each_face(axis, wide, [&](uint32_t face) {
+    const float at = rectangle(face).min[axis];
+    if (around.min[axis] < at - kInPlaneM || around.max[axis] > at + kInPlaneM) return;
+    found.push_back(
+        {face, {flat(p[0], axis), flat(p[1], axis), flat(p[2], axis)}, two_sided || shows_up, two_sided || !shows_up});
   });
 }
 
@@ -164,18 +177,6 @@ void RoomFinder::list_walls() {
     std::sort(face.leaves.begin(), face.leaves.end());
     face.leaves.erase(std::unique(face.leaves.begin(), face.leaves.end()), face.leaves.end());
   }
-  // Around a town is one room with a face for every wall outdoors: faces are found by their planes, not by their rooms.
-  struct Plane {
-    float at;
-    uint32_t face;
-  };
-  std::array<std::vector<Plane>, 3> planes;
-  for (uint32_t i = 0; i < work_.size(); ++i) {
-    const uint32_t axis = rooms_.space.faces[i].axis;
-    planes[axis].push_back({rectangle(i).min[static_cast<int>(axis)], i});
-  }
-  for (std::vector<Plane>& of_axis : planes)
-    std::sort(of_axis.begin(), of_axis.end(), [](const Plane& a, const Plane& b) { return a.at < b.at; });
   rooms_.first_wall.reserve(work_.size() + 1);
   rooms_.first_wall.push_back(0);
   std::vector<uint32_t> leaves;
@@ -183,12 +184,9 @@ void RoomFinder::list_walls() {
     const uint32_t axis = rooms_.space.faces[i].axis;
     const Box near = rectangle(i).grown(Rooms::kSlackM);
     leaves.clear();
-    const auto before = [](const Plane& plane, float at) { return plane.at < at; };
-    for (auto plane =
-             std::lower_bound(planes[axis].begin(), planes[axis].end(), near.min[static_cast<int>(axis)], before);
-         plane != planes[axis].end() && plane->at <= near.max[static_cast<int>(axis)]; ++plane)
-      if (rectangle(plane->face).overlaps(near))
-        leaves.insert(leaves.end(), work_[plane->face].leaves.begin(), work_[plane->face].leaves.end());
+    for_each_face(static_cast<int>(axis), near, [&](uint32_t face) {
+      leaves.insert(leaves.end(), work_[face].leaves.begin(), work_[face].leaves.end());
+    });
     std::sort(leaves.begin(), leaves.end());
     leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
     for (const uint32_t leaf : leaves) rooms_.walls.push_back(leaves_[leaf]);

@@ -37,6 +37,13 @@ struct Bench {
   void want(const std::vector<PriorityUpdate>& updates) {
     set->update(updates, [](NodeId) { return 0.0F; });
   }
+  void begin_frame() { set->let_go(set->refresh(), renderer); }
+  /// Of what arrived, the flags are up to date.
+  uint32_t upload(double budget_ms) {
+    const uint32_t arrived = set->upload(renderer, budget_ms);
+    begin_frame();
+    return arrived;
+  }
   /// Loads and uploads until there is nothing to do.
   void run() {
     for (int idle = 0; idle < 3; ++idle) {
@@ -44,8 +51,8 @@ struct Bench {
         idle = 0;
         check_memory();
       }
-      set->begin_frame(renderer);
-      if (set->upload(renderer, 1e9) > 0) idle = 0;
+      begin_frame();
+      if (upload(1e9) > 0) idle = 0;
       check_memory();
     }
   }
@@ -86,8 +93,8 @@ TEST(Loader, loads_the_most_important_first) {
   std::vector<NodeId> order;
   for (int i = 0; i < 12; ++i) {
     bench.loader->step();
-    bench.set->begin_frame(bench.renderer);
-    if (bench.set->upload(bench.renderer, 0) == 0) continue;
+    bench.begin_frame();
+    if (bench.upload(0) == 0) continue;
     for (const NodeId id : model.leaves)
       if (bench.resident(id) && std::find(order.begin(), order.end(), id) == order.end()) order.push_back(id);
   }
@@ -100,8 +107,8 @@ std::vector<NodeId> loading_order(Bench& bench, const std::vector<NodeId>& nodes
   std::vector<NodeId> order;
   for (int i = 0; i < 20; ++i) {
     bench.loader->step();
-    bench.set->begin_frame(bench.renderer);
-    bench.set->upload(bench.renderer, 1e9);
+    bench.begin_frame();
+    bench.upload(1e9);
     for (const NodeId id : nodes)
       if (bench.resident(id) && std::find(order.begin(), order.end(), id) == order.end()) order.push_back(id);
   }
@@ -162,7 +169,7 @@ TEST(Loader, turns_to_what_became_more_important_and_resumes_later) {
   bench.loader->step();
   bench.want({{model.leaves[0], 2}, {model.leaves[1], 3}});
   for (int i = 0; i < 4; ++i) bench.loader->step();
-  bench.set->upload(bench.renderer, 1e9);
+  bench.upload(1e9);
   EXPECT_TRUE(bench.resident(model.leaves[1]));
   EXPECT_FALSE(bench.resident(model.leaves[0]));
   EXPECT_EQ(bench.set->counts().loads_suspended, 1U);
@@ -191,9 +198,9 @@ TEST(Loader, node_is_resident_only_with_all_its_textures) {
   ASSERT_TRUE(bench.set->load_roots(bench.renderer));
   bench.want({{model.leaves[0], 1}});
   for (int i = 0; i < 4; ++i) bench.loader->step();  // texture: read, decode; mesh: read, decode
-  EXPECT_EQ(bench.set->upload(bench.renderer, 0), 0U) << "the texture";
+  EXPECT_EQ(bench.upload(0), 0U) << "the texture";
   EXPECT_FALSE(bench.resident(model.leaves[0]));
-  EXPECT_EQ(bench.set->upload(bench.renderer, 0), 1U) << "the mesh";
+  EXPECT_EQ(bench.upload(0), 1U) << "the mesh";
   EXPECT_TRUE(bench.resident(model.leaves[0]));
 }
 
@@ -235,7 +242,7 @@ TEST(Loader, waits_for_the_render_thread_to_let_go) {
   while (outcome == Loader::Outcome::worked) outcome = bench.loader->step().outcome;
   EXPECT_EQ(outcome, Loader::Outcome::waiting);
   EXPECT_GT(bench.renderer.bytes_of(bench.set->mesh_of(model.leaves[0])), 0U) << "still drawable in this frame";
-  bench.set->begin_frame(bench.renderer);
+  bench.begin_frame();
   EXPECT_EQ(bench.loader->step().outcome, Loader::Outcome::worked);
 }
 
@@ -276,8 +283,8 @@ TEST(Loader, never_exceeds_the_bound_never_evicts_roots_and_always_progresses) {
         bench.loader->step();
         bench.check_memory();
       }
-      bench.set->begin_frame(bench.renderer);
-      bench.set->upload(bench.renderer, 0);
+      bench.begin_frame();
+      bench.upload(0);
       bench.check_memory();
       for (const NodeId root : model.model().tables.roots) ASSERT_TRUE(bench.resident(root));
     }
@@ -392,8 +399,8 @@ TEST(LoaderThread, feeds_a_render_loop_within_the_bound) {
     LoaderThread thread(*bench.loader);
     std::mt19937 random(4);
     for (int frame = 0; frame < 300; ++frame) {
-      bench.set->begin_frame(bench.renderer);
-      bench.set->upload(bench.renderer, 0.2);
+      bench.begin_frame();
+      bench.upload(0.2);
       std::vector<PriorityUpdate> updates;
       for (uint32_t i = 0; i < nodes; ++i)
         if (random() % 4 != 0) updates.push_back({NodeId{i}, float(random() % 1000)});

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <set>
+#include <thread>
 #include <vector>
 
 #include "runtime/renderer.h"
@@ -68,6 +70,7 @@ class NullRenderer final : public Renderer {
       drawn.push_back(item.node);
     }
     ++frames;
+    std::this_thread::sleep_for(draw_takes);
     return Done{};
   }
   DrawCounts counts() const override { return {}; }
@@ -79,6 +82,7 @@ class NullRenderer final : public Renderer {
   std::vector<NodeId> drawn;
   uint32_t frames = 0;
   bool fail_uploads = false;
+  std::chrono::milliseconds draw_takes{0};
 
  private:
   void release(uint64_t& bytes) {

@@ -309,6 +309,27 @@ TEST(TimeSlices, share_is_never_exceeded_when_children_do_not_fit) {
   }
 }
 
+/// 16 nodes of 1 ms each, before a picture that alone takes so long.
+size_t nodes_beside_a_picture_of(double picture_ms) {
+  Forest model;
+  model.grow(model.root(ahead_pose, 8), 4, 2);
+  Chooser choose(model);
+  choose.options.policy = Policy::time_slices;
+  choose.options.pixel_error = 0.01;
+  choose.options.time.target_ms = 30;
+  DrawCosts costs;
+  costs.ms[DrawLoad::picture] = picture_ms / (64 * 64 / 1e6);
+  costs.ms[DrawLoad::nodes] = 1;
+  choose.state.costs.emplace(costs);
+  return choose().front.size();
+}
+
+TEST(TimeSlices, do_not_coarsen_for_less_than_a_quarter_of_what_the_picture_takes) {
+  EXPECT_EQ(nodes_beside_a_picture_of(1), 16U) << "29 ms for levels";
+  EXPECT_LT(nodes_beside_a_picture_of(25), 16U) << "a quarter of the target: 7.5 ms";
+  EXPECT_EQ(nodes_beside_a_picture_of(80), 16U) << "a quarter of the picture: 20 ms";
+}
+
 TEST(TimeSlices, stop_at_the_pixel_bound_unless_as_published) {
   OneSplit model;
   Chooser choose(model);

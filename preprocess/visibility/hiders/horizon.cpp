@@ -8,6 +8,8 @@
 // them work together: a ray from another point of the segment runs within the erosion of the middle's ray, at the same
 // heights. Seen past the solids as they are: seen. Neither: the segment is halved.
 // Source: the shrinking of occluders for a region of eyes is [chhugani2003] section 5.2's (its [WWS00]).
+//
+// A cell that reaches into houses is asked as its open parts, one after the other: what none of them sees is hidden.
 
 #include "preprocess/visibility/hiders/horizon.h"
 
@@ -18,6 +20,7 @@
 
 #include "preprocess/visibility/azimuth_horizon.h"
 #include "preprocess/visibility/error_map.h"
+#include "preprocess/visibility/open_parts.h"
 
 namespace promenade {
 namespace {
@@ -26,13 +29,6 @@ constexpr int kMostHalvings = 6;  // measured: study hiders
 constexpr float kSmallestSegmentM = 0.2F;
 constexpr int kFirstLook = 2;        // halvings before which corners and middles have been looked from already
 constexpr size_t kFewTargets = 500;  // more are looked at node by node
-
-/// An occluder as this cell may use it.
-struct Usable {
-  const Occluder* occluder;
-  float error_m;
-  float distance_m;
-};
 
 /// Whether one of two boxes lies above or below the other.
 bool share_plan(const Box& a, const Box& b) {
@@ -51,16 +47,15 @@ struct Target {
   uint32_t node;  ///< into the front
 };
 
-/// One cell's question in work.
+/// A cell's question in work, or that of an open part of it.
 class CellWork {
  public:
-  CellWork(const Model& model, const NodeParts& parts, const OccluderSet& set, const HiderQuestion& question,
-           std::span<uint8_t> hidden)
-      : model_(model), parts_(parts), set_(set), cell_(question.cell), front_(question.front), hidden_(hidden) {}
+  CellWork(const NodeParts& parts, const OccluderSet& set, const HiderQuestion& question, std::span<uint8_t> hidden)
+      : parts_(parts), set_(set), cell_(question.cell), front_(question.front), hidden_(hidden) {}
 
-  void run() {
+  void run(const std::vector<UsableOccluder>& occluders) {
     gather_targets();
-    gather_occluders();
+    gather_occluders(occluders);
     if (usable_.empty()) return;
     look_from_corners();
     prove_edges();
@@ -76,7 +71,7 @@ class CellWork {
 
   Fate fate_of(const NodePart& part);
   void gather_targets();
-  void gather_occluders();
+  void gather_occluders(const std::vector<UsableOccluder>& occluders);
   void look_from_corners();
   void prove_edges();
   void prove(const glm::dvec3& from, const glm::dvec3& to, Targets targets, int halvings);
@@ -105,7 +100,6 @@ class CellWork {
         glm::dvec3(low.x, low.y, high.z), {high.x, low.y, high.z}, {high.x, high.y, high.z}, {low.x, high.y, high.z}};
   }
 
-  const Model& model_;
   const NodeParts& parts_;
   const OccluderSet& set_;
   const Box cell_;
@@ -116,7 +110,7 @@ class CellWork {
   std::vector<Box> boxes_;       ///< of a node's targets together
   float eyes_from_m_ = 0;        ///< no eye is lower
   float lowest_m_ = 0;           ///< no ray that matters goes below
-  std::vector<Usable> usable_;
+  std::vector<UsableOccluder> usable_;  ///< nearest first
   AzimuthHorizon horizon_;
 };
 
@@ -159,17 +153,17 @@ void CellWork::gather_targets() {
   }
 }
 
-void CellWork::gather_occluders() {
-  ErrorMap errors(model_, front_);
-  for (const Occluder& occluder : set_.occluders) {
+void CellWork::gather_occluders(const std::vector<UsableOccluder>& occluders) {
+  usable_.reserve(occluders.size());
+  for (const UsableOccluder& each : occluders) {
+    const Occluder& occluder = *each.occluder;
     if (occluder.base_m > lowest_m_) continue;
     // A ray may be under an occluder that goes all the way down when it slipped under the ground before.
     if (lowest_m_ < set_.ground.slips_top_m && set_.ground.has_slips(cell_, occluder.box)) continue;
-    const float distance = plan_distance(occluder.box, cell_);
-    usable_.push_back({&occluder, errors.around(occluder.box), distance});
+    usable_.push_back({&occluder, each.error_m, plan_distance(occluder.box, cell_)});
   }
   std::stable_sort(usable_.begin(), usable_.end(),
-                   [](const Usable& a, const Usable& b) { return a.distance_m < b.distance_m; });
+                   [](const UsableOccluder& a, const UsableOccluder& b) { return a.distance_m < b.distance_m; });
 }
 
 void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float erosion_m) {
@@ -184,18 +178,14 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
       horizon_.want(horizon_.view_of(boxes_[target.node]));
   }
   horizon_.wants_complete();
-  for (const Usable& usable : usable_) {
-    const float need = erosion_m + usable.error_m;
-    const auto& levels = OccluderSet::kErosionsM;
-    const size_t level = size_t(std::lower_bound(levels.begin(), levels.end(), need) - levels.begin());
-    if (level == levels.size()) continue;
-    const std::span<const OccluderLoop> loops = set_.loops_of(*usable.occluder, level);
-    if (loops.empty() || !horizon_.worth_adding(usable.occluder->box)) continue;
+  for (const UsableOccluder& usable : usable_) {
+    const ErodedLoops loops = eroded_loops(set_, usable, erosion_m);
+    if (loops.loops.empty() || !horizon_.worth_adding(usable.occluder->box)) continue;
     Box clear = cell_;
-    clear.min -= levels[level], clear.max += levels[level];
-    for (const OccluderLoop& loop : loops) {
+    clear.min -= loops.erosion_m, clear.max += loops.erosion_m;
+    for (const OccluderLoop& loop : loops.loops) {
       const float top_m = loop.top_m - usable.error_m;
-      if (loops.size() == 1 || horizon_.worth_adding({{loop.low, top_m}, {loop.high, top_m}}))
+      if (loops.loops.size() == 1 || horizon_.worth_adding({{loop.low, top_m}, {loop.high, top_m}}))
         horizon_.add(set_.points_of(loop), top_m, clear);
     }
   }
@@ -259,11 +249,29 @@ class HorizonHider : public Hider {
   std::string_view name() const override { return "horizon"; }
 
   Status hide(const HiderQuestion& question, std::span<uint8_t> hidden) const override {
-    CellWork(model_, parts_, occluders_, question, hidden).run();
+    const std::vector<UsableOccluder> usable = usable_in(question);
+    std::vector<uint8_t> settled(hidden.begin(), hidden.end()), seen(hidden.size(), 0);
+    for (const Box& part : open_parts(question.cell, occluders_, usable)) {
+      std::vector<uint8_t> hidden_there = settled;
+      CellWork(parts_, occluders_, {part, question.front}, hidden_there).run(usable);
+      for (size_t i = 0; i < hidden.size(); ++i)
+        if (hidden_there[i] == 0) settled[i] = seen[i] = 1;
+    }
+    for (size_t i = 0; i < hidden.size(); ++i)
+      if (seen[i] == 0) hidden[i] = 1;
     return Done{};
   }
 
  private:
+  std::vector<UsableOccluder> usable_in(const HiderQuestion& question) const {
+    ErrorMap errors(model_, question.front);
+    std::vector<UsableOccluder> usable;
+    usable.reserve(occluders_.occluders.size());
+    for (const Occluder& occluder : occluders_.occluders)
+      usable.push_back({&occluder, errors.around(occluder.box), plan_distance(occluder.box, question.cell)});
+    return usable;
+  }
+
   const Model& model_;
   const NodeParts& parts_;
   const OccluderSet& occluders_;
