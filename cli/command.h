@@ -31,6 +31,7 @@ Command add_render(CLI::App& program);
 Command add_fly(CLI::App& program);
 Command add_view(CLI::App& program);
 Command add_verify(CLI::App& program);
+Command add_far(CLI::App& program);
 /// One for each part of `study`.
 std::vector<Command> add_study(CLI::App& program);
 

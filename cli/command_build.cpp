@@ -1,11 +1,10 @@
 #include <fmt/format.h>
 
-#include <glm/trigonometric.hpp>
 #include <memory>
 
 #include "cli/command.h"
 #include "cli/console.h"
-#include "geometry/path.h"
+#include "cli/far_command.h"
 #include "layout/file_io.h"
 #include "preprocess/build.h"
 #include "preprocess/visibility/hider_chain.h"
@@ -26,32 +25,11 @@ void print_summary(const BuildOptions& options, const BuildFigures& made, double
         "  {} view cells ({}), {:.0f} of {:.0f} triangles of a cell's front may be seen ({}), {:.1f} ms a cell\n",
         seen.cells, name_of(seen.style), seen.vlod_triangles_mean, seen.front_triangles_mean,
         made.hiders.empty() ? "nothing is hidden" : fmt::format("{}", fmt::join(made.hiders, ", ")), seen.ms_per_cell);
-  const FarFigures& far = made.far;
-  if (far.cells > 0)
-    fmt::print(
-        "  far pictures from {} view cells of {:.1f} m in boxes of {:.0f} m: {:.0f} triangles and {} a cell, {:.2f} "
-        "degrees off at most, {:.0f} ms a cell\n",
-        far.cells_with_pictures, far.cell_m, far.box_m, far.triangles_mean,
-        human_bytes(static_cast<uint64_t>(far.bytes_mean)), glm::degrees(far.parallax_max_rad), far.ms_per_cell);
+  if (made.far.cells > 0) print_far(made.far);
   for (const auto& [name, count] : made.import_counts)
     if (count > 0 &&
         (name.starts_with("faces_") || name.starts_with("vertices_") || name.starts_with("textures_missing")))
       fmt::print("  {}: {}\n", name, count);
-}
-
-Json json_of(const FarFigures& f) {
-  return {{"cells", f.cells},
-          {"cells_with_pictures", f.cells_with_pictures},
-          {"faces", f.faces},
-          {"cell_m", f.cell_m},
-          {"box_m", f.box_m},
-          {"side_px", f.side_px},
-          {"parallax_max_deg", glm::degrees(f.parallax_max_rad)},
-          {"triangles_mean", f.triangles_mean},
-          {"bytes_mean", f.bytes_mean},
-          {"texel_bytes_mean", f.texel_bytes_mean},
-          {"ms_per_cell", f.ms_per_cell},
-          {"cells_computed", f.cells_computed}};
 }
 
 Status run_build(const BuildOptions& options, JobMonitor& monitor, Json& figures) {
@@ -158,7 +136,7 @@ void add_cell_options(CLI::App& app, CellOptions& o) {
           },
           fmt::format(
               "What proves that nodes are hidden, in order: none, some of {}, or auto: {} in an octree's cells, {} "
-              "in those along walls",
+              "in those along walls, less what hides next to nothing in this model",
               hider_names(), fmt::join(hiders_for(CellStyle::octree), ","), fmt::join(hiders_for(CellStyle::kd), ",")))
       ->default_str(std::string(kAutoHiders));
   add_parsed<CellStyle>(*group, "--cells", o.cells, parse_cells,
@@ -212,64 +190,6 @@ void add_cell_options(CLI::App& app, CellOptions& o) {
       ->type_name("FILE");
 }
 
-constexpr double kPlacesASecond = 30;
-
-/// The places of a recorded path, close together.
-Result<std::vector<glm::dvec3>> places_of_path(const std::filesystem::path& file) {
-  const Result<std::string> text = read_text_file(file, kLargestBoxes);
-  if (!text) return text.error();
-  const Result<CameraPath> path = parse_path(*text, file.string());
-  if (!path) return path.error();
-  std::vector<glm::dvec3> places;
-  const auto count = static_cast<uint32_t>(path->duration_s() * kPlacesASecond) + 1;
-  places.reserve(count);
-  for (uint32_t i = 0; i < count; ++i)
-    places.push_back(pose_at(*path, path->keys.front().t_s + i / kPlacesASecond).eye);
-  return places;
-}
-
-/// Near geometry, far pictures.
-void add_far_options(CLI::App& app, FarOptions& o) {
-  CLI::Option_group* group = app.add_option_group(
-      "far pictures",
-      "What lies beyond a box around the eye as pictures, for the policies stratified, vlod-stratified");
-  group->add_flag("--far-pictures", o.pictures, "Make them");
-  group
-      ->add_option("--far-bound", o.bound_deg,
-                   "Largest parallax of what is far, from anywhere in its view cell, degrees")
-      ->capture_default_str();
-  group
-      ->add_option("--far-box", o.box_m,
-                   "Length of the box within which geometry is drawn, m (0: a third of the model)")
-      ->capture_default_str();
-  group
-      ->add_option("--far-cell", o.cell_m,
-                   "Length of a view cell, m (0: what flat pictures allow; with depth four times that)")
-      ->capture_default_str();
-  group->add_flag("!--far-flat", o.depth, "Pictures lie flat on the box's sides: small view cells, no depths");
-  group->add_option("--far-side", o.side_px, "Pixels of a picture's side, 2^n + 1 (0: by the bound, 513 or 1025)")
-      ->capture_default_str();
-  group->add_option("--far-quality", o.jpeg_quality, "JPEG quality of pictures, 1 to 100 (0: PNG, exact)")
-      ->capture_default_str();
-  group->add_option("--far-max-cells", o.max_cells, "Do not begin with more view cells than this")
-      ->capture_default_str();
-  group
-      ->add_option_function<double>(
-          "--far-height", [&o](double height_m) { o.height_m = height_m; },
-          "View cells only this high above what one may stand on, m (default: up to the sky)")
-      ->check(CLI::PositiveNumber);
-  group
-      ->add_option_function<std::string>(
-          "--far-path",
-          [&o](const std::string& file) {
-            Result<std::vector<glm::dvec3>> places = places_of_path(file);
-            if (!places) throw CLI::ValidationError("--far-path", places.error().message);
-            o.along.insert(o.along.end(), places->begin(), places->end());
-          },
-          "View cells only where this recorded path goes (may be given several times)")
-      ->type_name("FILE");
-}
-
 Result<UpAxis> parse_up(const std::string& text) {
   if (text == "y") return UpAxis::y;
   if (text == "z") return UpAxis::z;
@@ -319,7 +239,11 @@ Command add_build(CLI::App& program) {
   app->add_option("--jpeg-quality", options->jpeg_quality, "Of textures that are coded anew, 1 to 100")
       ->capture_default_str();
   add_cell_options(*app, options->visibility);
-  add_far_options(*app, options->far);
+  CLI::Option_group* far = app->add_option_group(
+      "far pictures",
+      "What lies beyond a box around the eye as pictures, for the policies stratified, vlod-stratified");
+  far->add_flag("--far-pictures", options->far.pictures, "Make them");
+  add_far_options(*far, options->far);
   add_parsed<NodeOrderOptions>(*app, "--order", options->order, parse_node_order,
                                "Order of meshes on disk in a model with cells: tour, bisection, hilbert, morton, input "
                                "or file:FILE (a node's number a line)")

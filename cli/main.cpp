@@ -38,8 +38,8 @@ int run_program(int argc, char** argv) {
   program.set_version_flag("--version", PROMENADE_VERSION);
   program.require_subcommand(1);
   program.failure_message(CLI::FailureMessage::simple);
-  std::vector<Command> commands = {add_generate(program), add_build(program), add_info(program),  add_render(program),
-                                   add_fly(program),      add_view(program),  add_verify(program)};
+  std::vector<Command> commands = {add_generate(program), add_build(program), add_info(program),   add_render(program),
+                                   add_fly(program),      add_view(program),  add_verify(program), add_far(program)};
   for (Command& part : add_study(program)) commands.push_back(std::move(part));
   for (Command& command : commands)
     command.app->add_option("--json", command.json_path, "Write the command's figures to FILE as one JSON object")

@@ -9,11 +9,13 @@
 #include "cli/picture.h"
 #include "cli/source_renderer.h"
 #include "cli/view_options.h"
+#include "codec/far_mesh.h"
 #include "preprocess/visibility/eyes.h"
 #include "preprocess/visibility/node_meshes.h"
 #include "preprocess/visibility/study_cells.h"
 #include "raster/picture_error.h"
 #include "runtime/cpu_renderer.h"
+#include "runtime/far_stage.h"
 #include "runtime/session.h"
 
 namespace promenade {
@@ -91,8 +93,30 @@ Result<std::vector<Camera>> path_cameras(const VerifySourceOptions& options) {
   return cameras;
 }
 
-/// What a front's nodes are made of, in one mesh.
-Result<ClosestPointTree> surface_of(const ModelReader& reader, std::span<const NodeId> front) {
+/// The sides of the far picture of an eye's cell. Metres, model space.
+Status add_far_surface(const ModelSource& source, const glm::dvec3& eye, std::vector<glm::vec3>& positions,
+                       std::vector<uint32_t>& indices) {
+  const FarTables& tables = *source.far();
+  const std::optional<FarCellId> cell = far_cell_at(tables, eye);
+  if (!cell) return Done{};
+  const FarCellRecord& record = tables.cells[index_of(*cell)];
+  FarKey key;
+  for (uint32_t face = record.first_face; face < record.first_face + record.face_count; ++face) {
+    const Result<FarFace> side = read_far_side(source, *cell, face, key);
+    if (!side) return side.error();
+    const Mesh mesh =
+        far_mesh(*side, {cell_box(tables, *cell).center(), tables.box_m, tables.faces[face].side, tables.has_depth});
+    const auto first = static_cast<uint32_t>(positions.size());
+    positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
+    indices.reserve(indices.size() + mesh.indices.size());
+    for (const uint32_t i : mesh.indices) indices.push_back(first + i);
+  }
+  return Done{};
+}
+
+/// What a front's nodes are made of, and the far picture around `far_eye` if there is one, in one mesh.
+Result<ClosestPointTree> surface_of(const ModelReader& reader, std::span<const NodeId> front, const ModelSource& source,
+                                    const std::optional<glm::dvec3>& far_eye) {
   std::vector<glm::vec3> positions;
   std::vector<uint32_t> indices;
   const Model& model = reader.model();
@@ -107,6 +131,7 @@ Result<ClosestPointTree> surface_of(const ModelReader& reader, std::span<const N
     indices.reserve(indices.size() + mesh->indices.size());
     for (const uint32_t i : mesh->indices) indices.push_back(first + i);
   }
+  if (far_eye) PROMENADE_TRY(add_far_surface(source, *far_eye, positions, indices));
   return ClosestPointTree(positions, indices);
 }
 
@@ -151,6 +176,7 @@ Status verify_source(const VerifySourceOptions& options, const ModelReader& read
   SessionOptions session_options;
   session_options.loader.memory_bytes = kMemoryBytes;
   session_options.loader_thread = false;
+  session_options.fade_frames = 0;  // still pictures
   session_options.select.policy = options.policy, session_options.select.pixel_error = options.pixel_error;
   Result<Session> session = Session::open(*model, *renderer, session_options);
   if (!session) return session.error();
@@ -164,7 +190,9 @@ Status verify_source(const VerifySourceOptions& options, const ModelReader& read
     if (!row) return row.error();
     const Result<Frame> frame = read_frame(*renderer, camera.width_px, camera.height_px, Aov::color, true);
     if (!frame) return frame.error();
-    const Result<ClosestPointTree> surface = surface_of(reader, session->selection().front);
+    std::optional<glm::dvec3> far_eye;
+    if (row->far_layers > 0) far_eye = camera.pose.eye - reader.model().manifest.origin;
+    const Result<ClosestPointTree> surface = surface_of(reader, session->selection().front, *model, far_eye);
     if (!surface) return surface.error();
     const Frame& source = (*sources)[i];
     const uint64_t other_before = errors.pixels_of_other_color();

@@ -8,6 +8,11 @@ namespace promenade {
 namespace {
 
 constexpr uint32_t kNone = 0xffffffffU;
+/// Pixels that filters reach over borders, of a picture seen at half its size.
+constexpr uint32_t kFilterReach = 2;
+/// Triangles in part without anything are halved down to legs of so many pixels: with a few thousand more triangles a
+/// side at most, all but the skyline itself is without holes.
+constexpr uint32_t kHoleLegPx = 16;
 
 /// How many pixels show something, in any rectangle.
 class Coverage {
@@ -20,16 +25,26 @@ class Coverage {
   }
 
   /// Within the triangle's rectangle and a pixel around it: filtering reaches that far.
-  bool any(uint32_t a, uint32_t b, uint32_t c) {
-    const uint32_t side = grid_.side();
-    const auto [x0, x1] = std::minmax({a % side, b % side, c % side});
-    const auto [y0, y1] = std::minmax({a / side, b / side, c / side});
-    const uint32_t left = x0 > 0 ? x0 - 1 : 0, top = y0 > 0 ? y0 - 1 : 0;
-    const uint32_t right = std::min(x1 + 2, side), bottom = std::min(y1 + 2, side);
-    return sum(right, bottom) + sum(left, top) != sum(left, bottom) + sum(right, top);
+  bool any(uint32_t a, uint32_t b, uint32_t c) { return count(a, b, c).there != 0; }
+  /// The same, all of them. `reach` pixels around: coarser pictures of the face have filters that reach farther.
+  bool all(uint32_t a, uint32_t b, uint32_t c, uint32_t reach) {
+    const Count found = count(a, b, c, reach);
+    return found.there == found.pixels;
   }
 
  private:
+  struct Count {
+    uint32_t there = 0, pixels = 0;
+  };
+  Count count(uint32_t a, uint32_t b, uint32_t c, uint32_t reach = 1) {
+    const uint32_t side = grid_.side();
+    const auto [x0, x1] = std::minmax({a % side, b % side, c % side});
+    const auto [y0, y1] = std::minmax({a / side, b / side, c / side});
+    const uint32_t left = x0 > reach ? x0 - reach : 0, top = y0 > reach ? y0 - reach : 0;
+    const uint32_t right = std::min(x1 + reach + 1, side), bottom = std::min(y1 + reach + 1, side);
+    return {sum(right, bottom) + sum(left, top) - sum(left, bottom) - sum(right, top), (right - left) * (bottom - top)};
+  }
+
   uint32_t& sum(uint32_t x, uint32_t y) { return sums_[size_t(y) * (grid_.side() + 1) + x]; }
 
   const HalvedGrid& grid_;
@@ -61,8 +76,42 @@ Mesh far_mesh(const FarFace& face, const FarPlace& place) {
     // Clockwise in a picture is seen from behind: turned.
     const uint32_t va = vertex(a), vb = vertex(b), vc = vertex(c);
     mesh.indices.insert(mesh.indices.end(), {va, vc, vb});
+    mesh.materials.push_back(coverage.all(a, b, c, kFilterReach) ? 0 : 1);
   });
   return mesh;
+}
+
+void split_at_holes(FarFace& face) {
+  const HalvedGrid& grid = face.grid;
+  Coverage coverage(face);
+  const auto is_split = [&](const HalvingPoint& p) {
+    const uint32_t side = grid.side(), a = p.ends[0], b = p.ends[1];
+    const uint32_t dx = a % side > b % side ? a % side - b % side : b % side - a % side, dy = b / side - a / side;
+    if (std::max(dx, dy) <= kHoleLegPx) return false;
+    // At the picture's border always: the side beyond does the same, and no crack opens between them.
+    if (p.apexes[0] == p.apexes[1]) return true;
+    for (const uint32_t apex : p.apexes)
+      if (coverage.any(a, b, apex) && !coverage.all(a, b, apex, kFilterReach)) return true;
+    return false;
+  };
+  std::vector<uint8_t> kept = face.kept;
+  for_each_halving_point(grid, false, [&](const HalvingPoint& p) {
+    if (kept[p.at] == 0 && is_split(p)) kept[p.at] = 1;
+  });
+  close_halvings(grid, kept);
+  // The coarsest first: ends are known before their middles.
+  for_each_halving_point(grid, true, [&](const HalvingPoint& p) {
+    if (kept[p.at] == 0 || face.kept[p.at] != 0) return;
+    face.depth[p.at] = static_cast<uint16_t>((uint32_t(face.depth[p.ends[0]]) + face.depth[p.ends[1]] + 1) / 2);
+  });
+  face.kept = std::move(kept);
+}
+
+uint64_t split_triangles_bound(uint64_t triangles, const HalvedGrid& grid) {
+  if (grid.cells() <= kHoleLegPx) return triangles;
+  // Each vertex of the coarser grid halves two triangles at most.
+  const uint64_t side = grid.cells() / kHoleLegPx + 1;
+  return triangles + 2 * side * side;
 }
 
 uint32_t far_triangles(const FarFace& face) {

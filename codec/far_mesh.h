@@ -20,9 +20,17 @@ struct FarPlace {
   bool pushed = false;   ///< by kFarPush
 };
 
-/// The triangles that show something, fronts towards the centre. Texture coordinates of the face's picture; one
-/// material; no normals. At most grid vertices and twice its squares. Any thread.
+/// The triangles that show something, fronts towards the centre. Texture coordinates of the face's picture; no normals;
+/// material 0: all of the triangle shows something, as far as filters reach; 1: not all, look at its opacity. At most
+/// grid vertices and twice its squares. Any thread.
 Mesh far_mesh(const FarFace& face, const FarPlace& place);
+
+/// Halves triangles that show something in part until they are small, so that most of a picture is without holes:
+/// those are dear to draw. The surface stays the same, within the rounding of depths; sides that shared the vertices
+/// along their common edge still do.
+void split_at_holes(FarFace& face);
+/// How many triangles that makes of a face's at most.
+uint64_t split_triangles_bound(uint64_t triangles, const HalvedGrid& grid);
 
 /// How many triangles that are.
 uint32_t far_triangles(const FarFace& face);

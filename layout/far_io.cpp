@@ -131,6 +131,20 @@ Status write_cell(AtomicFile& file, const StoredFarCell& cell, FarTables& tables
   return Done{};
 }
 
+/// By place, as they are looked for; their bytes stay where they came.
+void sort_cells(FarTables& tables) {
+  std::sort(tables.cells.begin(), tables.cells.end(),
+            [](const FarCellRecord& a, const FarCellRecord& b) { return a.place < b.place; });
+  std::vector<FarFaceRecord> faces;
+  faces.reserve(tables.faces.size());
+  for (FarCellRecord& cell : tables.cells) {
+    const auto first = tables.faces.begin() + cell.first_face;
+    cell.first_face = static_cast<uint32_t>(faces.size());
+    faces.insert(faces.end(), first, first + cell.face_count);
+  }
+  tables.faces = std::move(faces);
+}
+
 }  // namespace
 
 Result<uint64_t> write_far(const std::filesystem::path& path, FarTables tables, const CellsOwner& owner,
@@ -144,6 +158,7 @@ Result<uint64_t> write_far(const std::filesystem::path& path, FarTables tables, 
     if (cells->empty()) break;
     for (const StoredFarCell& cell : *cells) PROMENADE_TRY(write_cell(*file, cell, tables));
   }
+  sort_cells(tables);
   if (const std::string defect = find_defect(tables); !defect.empty())
     return Error{fmt::format("{}: refused to write unsound far pictures: {}", path.string(), defect)};
   while (file->size() % kSectionAlignment != 0) PROMENADE_TRY(file->write(std::array<std::byte, 1>{}));

@@ -23,7 +23,7 @@ struct StoredFarCell {
   };
   std::vector<Face> faces;
 };
-/// The next cells, in the order of places; empty: no more.
+/// The next cells, in any order of places; empty: no more.
 using FarCellSource = std::function<Result<std::vector<StoredFarCell>>()>;
 
 /// Writes far.bin, whole or not at all; returns its bytes. tables: without cells and faces. Errors: unsound tables, the

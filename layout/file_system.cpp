@@ -83,6 +83,10 @@ int FileSystem::rename(const std::filesystem::path& from, const std::filesystem:
   return value_or_errno(::rename(from.c_str(), to.c_str()));
 }
 
+int FileSystem::link(const std::filesystem::path& from, const std::filesystem::path& to) {
+  return value_or_errno(::link(from.c_str(), to.c_str()));
+}
+
 int FileSystem::make_folder(const std::filesystem::path& path) { return value_or_errno(::mkdir(path.c_str(), 0755)); }
 
 int FileSystem::remove(const std::filesystem::path& path) { return value_or_errno(std::remove(path.c_str())); }

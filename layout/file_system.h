@@ -37,6 +37,8 @@ class FileSystem {
   virtual int info(int descriptor, FileInfo& info);
   virtual int info(const std::filesystem::path& path, FileInfo& info);
   virtual int rename(const std::filesystem::path& from, const std::filesystem::path& to);
+  /// A second name for a file.
+  virtual int link(const std::filesystem::path& from, const std::filesystem::path& to);
   virtual int make_folder(const std::filesystem::path& path);
   /// A file, or an empty folder.
   virtual int remove(const std::filesystem::path& path);

@@ -2,8 +2,10 @@
 // Writing and opening a model: a directory with manifest.json, tables.bin and a few large data files. See FORMAT.md.
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "geometry/job_monitor.h"
 #include "layout/cells_io.h"
@@ -19,6 +21,11 @@ class ModelWriter {
  public:
   /// Refuses a PATH that exists and is no model.
   static Result<ModelWriter> create(const std::filesystem::path& path, FileSystem& files = real_file_system());
+  /// The model at PATH once more, staged, without its far pictures: its files under second names, or copied where the
+  /// filesystem has none. settings take the place of those of the same names. For add_far() and publish() alone.
+  static Result<ModelWriter> extend(const std::filesystem::path& path,
+                                    const std::map<std::string, std::string>& settings,
+                                    FileSystem& files = real_file_system());
   ModelWriter(ModelWriter&&) noexcept;
   ModelWriter& operator=(ModelWriter&&) noexcept;
   ~ModelWriter();
@@ -43,6 +50,7 @@ class ModelWriter {
 
  private:
   struct State;
+  static Result<std::unique_ptr<State>> started(const std::filesystem::path& path, FileSystem& files);
   explicit ModelWriter(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };

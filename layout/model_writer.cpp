@@ -23,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr uint64_t kMostTablesBytes = uint64_t(1) << 40;
 constexpr std::array<const char*, 7> kOwnNames = {kManifestName, kTablesName, kGeometryName, kTexturesName,
                                                   kCellsName,    kFarName,    kObjectsName};
 
@@ -97,6 +98,8 @@ struct ModelWriter::State {
   }
 
   Status start();
+  Status create_data_files();
+  Status take_files_of_model();
   Status write_tables();
   Status publish();
 };
@@ -114,12 +117,45 @@ Status ModelWriter::State::start() {
   do result = files->make_folder(partial);
   while (result == -EINTR);
   if (result < 0) return file_error(partial, "make the folder", -result);
+  return Done{};
+}
+
+Status ModelWriter::State::create_data_files() {
   for (auto& [file, name] : {std::pair(&geometry, kGeometryName), std::pair(&textures, kTexturesName)}) {
     Result<AtomicFile> created = AtomicFile::create(partial / name, *files);
     if (!created) return created.error();
     file->emplace(std::move(*created));
   }
   return Done{};
+}
+
+/// A file under a second name, or its bytes.
+Status share_file(const fs::path& from, const fs::path& to, FileSystem& files) {
+  int result = 0;
+  do result = files.link(from, to);
+  while (result == -EINTR);
+  if (result >= 0) return Done{};
+  const Result<RandomAccessFile> source = RandomAccessFile::open(from, files);
+  if (!source) return source.error();
+  Result<AtomicFile> copy = AtomicFile::create(to, files);
+  if (!copy) return copy.error();
+  constexpr uint64_t kPieceBytes = 1 << 20;
+  std::vector<std::byte> piece;
+  for (uint64_t at = 0; at < source->size(); at += piece.size()) {
+    piece.resize(std::min(kPieceBytes, source->size() - at));
+    PROMENADE_TRY(source->read(at, piece));
+    PROMENADE_TRY(copy->write(piece));
+  }
+  return copy->commit();
+}
+
+/// All but far pictures and the manifest, which is written anew.
+Status ModelWriter::State::take_files_of_model() {
+  std::vector<ModelManifest::File>& names = staged.manifest.files;
+  std::erase_if(names, [](const ModelManifest::File& file) { return file.name == kFarName; });
+  for (const ModelManifest::File& file : names)
+    PROMENADE_TRY(share_file(path / file.name, partial / file.name, *files));
+  return write_file(partial / kManifestName, std::string_view(manifest_text(staged)), *files);
 }
 
 Status ModelWriter::State::publish() {
@@ -158,7 +194,7 @@ ModelWriter::ModelWriter(ModelWriter&&) noexcept = default;
 ModelWriter& ModelWriter::operator=(ModelWriter&&) noexcept = default;
 ModelWriter::~ModelWriter() = default;
 
-Result<ModelWriter> ModelWriter::create(const fs::path& path, FileSystem& files) {
+Result<std::unique_ptr<ModelWriter::State>> ModelWriter::started(const fs::path& path, FileSystem& files) {
   auto state = std::make_unique<State>();
   state->path = without_trailing_slash(path);
   if (!state->path.has_filename() || state->path.filename() == "." || state->path.filename() == "..")
@@ -166,7 +202,31 @@ Result<ModelWriter> ModelWriter::create(const fs::path& path, FileSystem& files)
   state->partial = beside(state->path, ".partial");
   state->files = &files;
   PROMENADE_TRY(state->start());
-  return ModelWriter(std::move(state));
+  return state;
+}
+
+Result<ModelWriter> ModelWriter::create(const fs::path& path, FileSystem& files) {
+  Result<std::unique_ptr<State>> state = started(path, files);
+  if (!state) return state.error();
+  PROMENADE_TRY((*state)->create_data_files());
+  return ModelWriter(std::move(*state));
+}
+
+Result<ModelWriter> ModelWriter::extend(const fs::path& path, const std::map<std::string, std::string>& settings,
+                                        FileSystem& files) {
+  Result<std::unique_ptr<State>> started_state = started(path, files);
+  if (!started_state) return started_state.error();
+  State& s = **started_state;
+  // Sound, and held open until its files have been taken.
+  const Result<ModelReader> reader = ModelReader::open(s.path, files);
+  if (!reader) return reader.error();
+  const Result<std::vector<std::byte>> tables = read_file(s.path / kTablesName, kMostTablesBytes, files);
+  if (!tables) return tables.error();
+  s.staged = {reader->model().manifest, checksum(*tables)};
+  for (const auto& [name, value] : settings) s.staged.manifest.settings[name] = value;
+  s.staged_tables = reader->model().tables;
+  PROMENADE_TRY(s.take_files_of_model());
+  return ModelWriter(std::move(*started_state));
 }
 
 Result<uint32_t> ModelWriter::append(SegmentRecord::Type type, std::span<const std::byte> bytes) {

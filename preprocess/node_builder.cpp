@@ -206,7 +206,9 @@ Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, cons
   const double error_m = surface.error_m + surface.texture_error_m;
   double step_m = error_m > 0 ? power_of_two_below(error_m * kStepShare) : 0;
   if (sheet_height_m > 0) step_m = std::min(step_m, double(sheet_height_m));
-  PROMENADE_TRY(store(surface.mesh, std::max(step_m, double(options_.leaf_step_m)), children, node));
+  Mesh shown = surface.mesh;  // its parent begins with the exact colours
+  round_colors(shown);
+  PROMENADE_TRY(store(shown, std::max(step_m, double(options_.leaf_step_m)), children, node));
   return node;
 }
 

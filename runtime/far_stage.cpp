@@ -27,40 +27,93 @@ void unlight(Image& colors, const glm::vec3& light) {
   for (glm::u8vec4& p : colors.pixels) p = {table[0][p.r], table[1][p.g], table[2][p.b], p.a};
 }
 
-Material far_material() {
-  Material material;
-  material.texture = 0;
-  material.wrap_u = material.wrap_v = Wrap::clamp;
-  material.alpha = AlphaMode::mask;
-  material.two_sided = true;  // what stretches between near and far may turn its back on an eye aside
-  return material;
+/// A side alone, or with what it is told against.
+Result<FarFace> decode_side(const ModelSource& source, FarCellId cell, uint32_t face, std::span<const std::byte> bytes,
+                            FarKey& key) {
+  const FarTables& tables = *source.far();
+  const std::optional<std::array<int8_t, 3>> places = reference_of_far_face(bytes);
+  if (!places) return decode_far_face(bytes);
+  const glm::dvec3 steps((*places)[0], (*places)[1], (*places)[2]);
+  const std::optional<uint64_t> place = far_place_at(tables, cell_box(tables, cell).center() + steps * tables.cell_m);
+  if (!place) return Error{"told against a cell beside the grid"};
+  const Result<const FarReference*> reference = key.at(source, *place);
+  if (!reference) return reference.error();
+  FarReference placed = **reference;
+  placed.offset = offset_from_reference(*places, tables.cell_m, tables.box_m);
+  return decode_far_face(bytes, tables.faces[face].side, &placed);
+}
+
+/// Of what is without holes, and of the rest: as far_mesh numbers them.
+std::array<Material, 2> far_materials() {
+  Material solid;
+  solid.texture = 0;
+  solid.wrap_u = solid.wrap_v = Wrap::clamp;
+  solid.two_sided = true;  // what stretches between near and far may turn its back on an eye aside
+  Material holed = solid;
+  holed.alpha = AlphaMode::mask;
+  return {solid, holed};
 }
 
 }  // namespace
 
-Result<StagedFarSide> stage_far_side(const ModelSource& source, const Renderer& renderer, FarCellId cell,
-                                     uint32_t face) {
+Result<const FarReference*> FarKey::at(const ModelSource& source, uint64_t place) {
+  if (place_ == place) return &reference_;
+  place_.reset(), reference_ = {}, sides_ = {};
+  const FarTables& tables = *source.far();
+  const std::optional<FarCellId> cell = far_cell_of_place(tables, place);
+  if (!cell) return Error{fmt::format("far cell at place {}: told against one that is not there", place)};
+  const FarCellRecord& record = tables.cells[index_of(*cell)];
+  for (uint32_t face = record.first_face; face < record.first_face + record.face_count; ++face) {
+    const Result<std::vector<std::byte>> bytes = source.read_far_face(face);
+    if (!bytes) return bytes.error();
+    Result<FarFace> decoded = decode_far_face(*bytes);
+    if (!decoded) return Error{fmt::format("far face {}: {}", face, decoded.error().message)};
+    // Of a reference only colours are looked at.
+    decoded->kept = {}, decoded->depth = {};
+    std::optional<FarFace>& side = sides_[tables.faces[face].side];
+    side = std::move(*decoded);
+    reference_.sides[tables.faces[face].side] = &*side;
+  }
+  place_ = place;
+  return &reference_;
+}
+
+uint64_t FarKey::byte_size(const FarTables& tables) {
+  uint32_t most = 0;
+  for (const FarCellRecord& cell : tables.cells) most = std::max(most, cell.face_count);
+  return most * HalvedGrid{tables.face_levels}.vertices() * sizeof(glm::u8vec4);
+}
+
+Result<FarFace> read_far_side(const ModelSource& source, FarCellId cell, uint32_t face, FarKey& key) {
   const FarTables& tables = *source.far();
   const Result<std::vector<std::byte>> bytes = source.read_far_face(face);
   if (!bytes) return bytes.error();
-  Result<FarFace> decoded = decode_far_face(*bytes);
+  Result<FarFace> decoded = decode_side(source, cell, face, *bytes, key);
   if (!decoded) return Error{fmt::format("far face {}: {}", face, decoded.error().message)};
   if (decoded->grid.levels != tables.face_levels)
     return Error{
         fmt::format("far face {}: {} levels, the model's have {}", face, decoded->grid.levels, tables.face_levels)};
+  return decoded;
+}
+
+Result<StagedFarSide> stage_far_side(const ModelSource& source, const Renderer& renderer, FarCellId cell, uint32_t face,
+                                     FarKey& key) {
+  const FarTables& tables = *source.far();
+  Result<FarFace> decoded = read_far_side(source, cell, face, key);
+  if (!decoded) return decoded.error();
   const FarPlace place{cell_box(tables, cell).center(), tables.box_m, tables.faces[face].side, tables.has_depth};
+  if (const uint32_t triangles = far_triangles(*decoded); triangles > tables.faces[face].triangles)
+    return Error{fmt::format("far face {}: {} triangles, {} are due", face, triangles, tables.faces[face].triangles)};
+  split_at_holes(*decoded);
   Mesh mesh = far_mesh(*decoded, place);
-  if (mesh.triangle_count() > tables.faces[face].triangles)
-    return Error{fmt::format("far face {}: {} triangles, {} are due", face, mesh.triangle_count(),
-                             tables.faces[face].triangles)};
   const Lighting lighting;
   mesh.normals.assign(mesh.vertex_count(), glm::normalize(lighting.to_sun));
   unlight(decoded->colors, light_facing_the_sun(lighting));
-  const Material material = far_material();
+  const std::array<Material, 2> materials = far_materials();
   StagedFarSide staged;
   staged.triangles = mesh.triangle_count();
-  staged.bytes_read = bytes->size();
-  staged.mesh = renderer.stage_mesh(mesh, std::span(&material, 1));
+  staged.bytes_read = tables.faces[face].stored_bytes;
+  staged.mesh = renderer.stage_mesh(mesh, materials);
   staged.texture = renderer.stage_texture(decoded->colors);
   return staged;
 }
@@ -68,9 +121,10 @@ Result<StagedFarSide> stage_far_side(const ModelSource& source, const Renderer& 
 FarSideBytes far_side_bytes(const ModelSource& source, const Renderer& renderer, uint32_t face) {
   const FarTables& tables = *source.far();
   const HalvedGrid grid{tables.face_levels};
-  const uint64_t triangles = tables.faces[face].triangles, vertices = std::min(3 * triangles, grid.vertices());
-  // Picture, kept, depth, numbers, sums; the mesh; the mip maps under way.
-  constexpr uint64_t kDecodedVertex = 4 + 1 + 2 + 4 + 4 + 20, kMeshVertex = 64, kMeshTriangle = 16;
+  const uint64_t triangles = split_triangles_bound(tables.faces[face].triangles, grid);
+  const uint64_t vertices = std::min(3 * triangles, grid.vertices());
+  // Picture, kept, depth, numbers, sums; what is foretold and its blocks; the mesh; the mip maps under way.
+  constexpr uint64_t kDecodedVertex = 4 + 1 + 2 + 4 + 4 + 8 + 20, kMeshVertex = 64, kMeshTriangle = 16;
   return {renderer.texture_bytes_bound(grid.side(), grid.side()) + renderer.mesh_bytes_bound(vertices, triangles),
           grid.vertices() * kDecodedVertex + vertices * kMeshVertex + triangles * kMeshTriangle +
               tables.faces[face].stored_bytes};

@@ -49,6 +49,7 @@ struct FarStore::State {
   const ModelSource& source;
   const Renderer& renderer;
   const FarTables& tables;
+  FarKey key;  ///< the loader's own
   uint64_t capacity_bytes = 0, decoding_bytes = 0;
   mutable std::mutex mutex;
   std::vector<FarCellId> wanted;
@@ -117,6 +118,7 @@ FarStore::FarStore(const ModelSource& source, const Renderer& renderer, uint64_t
   for (uint32_t i = 0; i < s.tables.cells.size(); ++i) largest = std::max(largest, s.bytes_of(FarCellId{i}));
   for (uint32_t i = 0; i < s.tables.faces.size(); ++i)
     s.decoding_bytes = std::max(s.decoding_bytes, far_side_bytes(source, renderer, i).decoding);
+  s.decoding_bytes += FarKey::byte_size(s.tables);
   s.capacity_bytes = std::max(2 * largest, std::min(kComfortableCells * largest, memory_bytes / kMemoryPart));
 }
 
@@ -225,7 +227,7 @@ FarStore::Step FarStore::load_next() {
     ++s.cells.at(id).holders;
     face = s.record(id).first_face + s.cells.at(id).loaded;
   }
-  Result<StagedFarSide> side = stage_far_side(s.source, s.renderer, id, face);
+  Result<StagedFarSide> side = stage_far_side(s.source, s.renderer, id, face, s.key);
   const std::lock_guard lock(s.mutex);
   State::Cell& cell = s.cells.at(id);
   --cell.holders;

@@ -352,7 +352,7 @@ Result<FrameRow> Session::settle(const Camera& camera, uint32_t max_frames) {
                             counts.far_sides_loaded + counts.far_sides_uploaded;
     const bool same =
         loaded == loaded_before && row->nodes_drawn == last.nodes_drawn && row->triangles_drawn == last.triangles_drawn;
-    still = same && row->nodes_fading == 0 ? still + 1 : 0;
+    still = same && row->nodes_fading == 0 && row->far_layers < 2 ? still + 1 : 0;
     loaded_before = loaded;
     last = *row;
   }

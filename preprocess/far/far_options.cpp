@@ -23,12 +23,25 @@ constexpr uint32_t kLeastLevels = 9;
 /// Air above the model that belongs to viewing space, in heights of the model: as for the cells of visibility.
 constexpr double kSky = 0.25;
 constexpr uint32_t kLeastSidePx = 17;
+constexpr double kRimM = 0.01;  // where one goes is within the grid, not on its rim
 
 Box box_of(const Model& model) {
   Box box;
   for (const NodeId root : model.tables.roots)
     if (!model.is_moving(root)) box.add(model.tables.nodes[index_of(root)].box);
   return box;
+}
+
+/// The model and some air above it, and where one goes not farther away than the model is long.
+DBox viewing_space(const Model& model, const FarOptions& o) {
+  const Box box = box_of(model);
+  const DBox air{box.min, glm::dvec3(box.max) + glm::dvec3(0, 0, kSky * double(box.size().z))};
+  const glm::dvec3 size = air.size();
+  const DBox around = air.grown(std::max({size.x, size.y, size.z}));
+  DBox space = air;
+  for (const glm::dvec3& place : o.along)
+    if (const glm::dvec3 at = place - model.manifest.origin; around.contains(at)) space.add(DBox{at, at}.grown(kRimM));
+  return space;
 }
 
 uint32_t levels_of(const FarOptions& o) {
@@ -59,7 +72,7 @@ Status check_options(const FarOptions& o) {
 uint64_t hash_of(const FarOptions& o) {
   UnitWriter writer;
   writer.value(o.pictures), writer.value(o.bound_deg), writer.value(o.box_m), writer.value(o.cell_m);
-  writer.value(o.depth), writer.value(o.side_px), writer.value(o.jpeg_quality);
+  writer.value(o.depth), writer.value(o.side_px), writer.value(o.jpeg_quality), writer.value(o.deltas);
   writer.value(o.height_m.value_or(-1)), writer.array(o.along);
   return checksum(writer.bytes());
 }
@@ -69,7 +82,8 @@ std::map<std::string, std::string> settings_of(const FarOptions& o) {
   std::map<std::string, std::string> settings{
       {"far-bound", fmt::format("{}", o.bound_deg)}, {"far-box", fmt::format("{}", o.box_m)},
       {"far-cell", fmt::format("{}", o.cell_m)},     {"far-depth", o.depth ? "on" : "off"},
-      {"far-side", fmt::format("{}", o.side_px)},    {"far-quality", fmt::format("{}", o.jpeg_quality)}};
+      {"far-side", fmt::format("{}", o.side_px)},    {"far-quality", fmt::format("{}", o.jpeg_quality)},
+      {"far-deltas", o.deltas ? "on" : "off"}};
   if (o.height_m) settings["far-height"] = fmt::format("{}", *o.height_m);
   if (!o.along.empty()) settings["far-path"] = fmt::format("{} places", o.along.size());
   return settings;
@@ -77,8 +91,7 @@ std::map<std::string, std::string> settings_of(const FarOptions& o) {
 
 Result<FarTables> far_grid(const Model& model, const FarOptions& o) {
   PROMENADE_TRY(check_options(o));
-  const Box model_box = box_of(model);
-  const DBox space{model_box.min, glm::dvec3(model_box.max) + glm::dvec3(0, 0, kSky * double(model_box.size().z))};
+  const DBox space = viewing_space(model, o);
   const glm::dvec3 size = space.size();
   const double longest_m = std::max({size.x, size.y, size.z});
   FarTables tables;

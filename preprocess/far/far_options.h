@@ -19,8 +19,11 @@ struct FarOptions {
   double box_m = 0;       ///< within it geometry is drawn; 0: a third of the model's longest side
   double cell_m = 0;  ///< length of a view cell; 0: flat, the largest that keeps the bound; with depth four times that
   bool depth = true;  ///< false: flat on the box's sides, as [xiong1996] has them
-  uint32_t side_px = 0;            ///< of a picture, 2^n + 1; 0: a texel is at most a quarter of the bound, 513 or 1025
-  int jpeg_quality = 85;           ///< 0: PNG, exact
+  uint32_t side_px = 0;   ///< of a picture, 2^n + 1; 0: a texel is at most a quarter of the bound, 513 or 1025
+  int jpeg_quality = 85;  ///< 0: PNG, exact
+  /// Sides are told against a neighbour's where that is shorter (never exact ones): a few per cent less on disk
+  /// (`study far`), and after a jump two pictures to read instead of one.
+  bool deltas = false;
   std::optional<double> height_m;  ///< view cells only this high above what one may stand on; nullopt: up to the sky
   std::vector<glm::dvec3> along;   ///< view cells only where one of these lies, world; empty: everywhere
   uint32_t max_cells = 4096;       ///< refuses to begin with more

@@ -12,8 +12,8 @@
 
 #include "codec/far_mesh.h"
 #include "codec/frame.h"
-#include "preprocess/far/far_scene.h"
-#include "preprocess/far/far_shape.h"
+#include "preprocess/far/far_cell.h"
+#include "preprocess/far/far_groups.h"
 #include "preprocess/survey.h"
 #include "preprocess/unit_io.h"
 #include "preprocess/visibility/view_volume.h"
@@ -21,9 +21,8 @@
 namespace promenade {
 namespace {
 
-constexpr size_t kUnitCells = 4;       // about a second of work, so that little is lost and little is published
 constexpr uint64_t kVoxels = 8 << 20;  // as for the cells of visibility
-constexpr uint32_t kVersion = 1;       // of the units' content: a change makes them begin anew
+constexpr uint32_t kVersion = 2;       // of the units' content: a change makes them begin anew
 constexpr uint64_t kCachePart = 2;     // of the memory: the rest is for pictures under way
 
 std::string name_of_unit(size_t unit) { return fmt::format("far-{:06}", unit); }
@@ -97,11 +96,12 @@ class FarBatch {
         hash_(hash),
         folder_(folder),
         monitor_(monitor),
-        places_(places),
+        cells_(places.size()),
+        groups_(far_groups(tables, places)),
         scene_(reader, memory_bytes / kCachePart) {}
 
   Status run() {
-    const size_t units = (places_.size() + kUnitCells - 1) / kUnitCells;
+    const size_t units = groups_.size();
     hashes.resize(units);
     tbb::parallel_for(
         size_t(0), units,
@@ -124,46 +124,72 @@ class FarBatch {
   bool stopped() const { return failed_ || monitor_.cancelled(); }
 
   void work(size_t unit) {
-    const std::span<const uint64_t> places =
-        places_.subspan(unit * kUnitCells, std::min(kUnitCells, places_.size() - unit * kUnitCells));
+    const std::span<const uint64_t> places = groups_[unit].places;
     const uint64_t hash = hashes[unit] = checksum(std::as_bytes(places), hash_);
     if (const auto payload = folder_.load(name_of_unit(unit), hash))
       if (const std::optional<std::vector<StoredFarCell>> cells = read_payload(*payload)) return count(*cells, 0, true);
     const auto begin = std::chrono::steady_clock::now();
-    std::vector<StoredFarCell> cells;
-    for (const uint64_t place : places) {
-      if (stopped()) return;
-      Result<StoredFarCell> cell = make_cell(place);
-      if (!cell) return fail(cell.error());
-      cells.push_back(std::move(*cell));
-    }
+    Result<std::vector<StoredFarCell>> made = make_group(places);
+    if (!made) return fail(made.error());
+    const std::vector<StoredFarCell>& cells = *made;
+    if (cells.size() < places.size()) return;
     const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
     if (const Status status = folder_.store(name_of_unit(unit), hash, payload_of(cells)); !status)
       return fail(status.error());
     count(cells, taken.count(), false);
   }
 
-  Result<StoredFarCell> make_cell(uint64_t place) {
-    const glm::dvec3 centre = box_of_place(tables_, place).center();
-    Result<FarView> view = FarView::make(scene_, centre, tables_.box_m, tables_.face_levels);
-    if (!view) return view.error();
-    std::array<std::optional<DrawnSide>, 6> sides;
-    for (uint32_t s = 0; s < 6; ++s) {
-      DrawnSide drawn;
-      const Result<bool> any = view->draw(s, drawn.colors, drawn.depth_m);
-      if (!any) return any.error();
-      if (*any) sides[s] = std::move(drawn);
+  /// The key first, as it will be decoded. Fewer cells than places: stopped.
+  Result<std::vector<StoredFarCell>> make_group(std::span<const uint64_t> places) {
+    std::vector<StoredFarCell> cells;
+    cells.reserve(places.size());
+    std::array<std::optional<FarFace>, 6> key;
+    for (const uint64_t place : places) {
+      if (stopped()) break;
+      const Result<ShapedFar> drawn = draw_far_cell(scene_, tables_, place);
+      if (!drawn) return drawn.error();
+      Result<StoredFarCell> cell = store_cell(*drawn, place, places.front(), key);
+      if (!cell) return cell.error();
+      cells.push_back(std::move(*cell));
     }
-    const ShapedFar shaped = shape_far(tables_, std::move(sides));
+    return cells;
+  }
+
+  /// Codes a cell's sides. key: those of the key, decoded; put there when this is it and others follow.
+  Result<StoredFarCell> store_cell(const ShapedFar& drawn, uint64_t place, uint64_t key_place,
+                                   std::array<std::optional<FarFace>, 6>& key) const {
     StoredFarCell cell;
-    cell.place = place, cell.parallax_rad = static_cast<float>(shaped.parallax_rad);
+    cell.place = place, cell.parallax_rad = static_cast<float>(drawn.parallax_rad);
+    FarReference reference;
+    const glm::ivec3 from(coordinates_of(tables_, place)), to(coordinates_of(tables_, key_place));
+    for (int i = 0; i < 3; ++i) reference.places[static_cast<size_t>(i)] = static_cast<int8_t>(to[i] - from[i]);
+    reference.offset = offset_from_reference(reference.places, tables_.cell_m, tables_.box_m);
+    for (size_t s = 0; s < 6; ++s)
+      if (key[s]) reference.sides[s] = &*key[s];
     for (uint32_t s = 0; s < 6; ++s) {
-      if (!shaped.faces[s]) continue;
-      Result<std::vector<std::byte>> bytes = encode_far_face(*shaped.faces[s], {options_.jpeg_quality});
+      if (!drawn.faces[s]) continue;
+      Result<std::vector<std::byte>> bytes = store_side(*drawn.faces[s], s, place == key_place ? nullptr : &reference);
       if (!bytes) return bytes.error();
-      cell.faces.push_back({s, far_triangles(*shaped.faces[s]), std::move(*bytes)});
+      if (place == key_place) {
+        Result<FarFace> decoded = decode_far_face(*bytes);
+        if (!decoded) return decoded.error();
+        key[s] = std::move(*decoded);
+      }
+      cell.faces.push_back({s, far_triangles(*drawn.faces[s]), std::move(*bytes)});
     }
     return cell;
+  }
+
+  /// In the shortest way. reference: null for a key.
+  Result<std::vector<std::byte>> store_side(const FarFace& face, uint32_t side, const FarReference* reference) const {
+    const FarFaceCoding coding{options_.jpeg_quality};
+    Result<std::vector<std::byte>> shortest = encode_far_face(face, coding);
+    if (!shortest || reference == nullptr || !options_.deltas || options_.jpeg_quality == 0) return shortest;
+    // Shifts do for flat pictures, whose cells are small; warping pays across larger ones (`study far`).
+    const FarForetelling how = tables_.has_depth ? FarForetelling::warped : FarForetelling::still;
+    Result<std::vector<std::byte>> told = encode_far_delta(face, coding, side, *reference, how);
+    if (!told) return told;
+    return told->size() < shortest->size() ? std::move(told) : std::move(shortest);
   }
 
   void count(const std::vector<StoredFarCell>& cells, double ms, bool resumed) {
@@ -176,9 +202,12 @@ class FarBatch {
       figures.cells_with_pictures += cell.faces.empty() ? 0U : 1U;
       figures.faces += cell.faces.size();
       figures.parallax_max_rad = std::max(figures.parallax_max_rad, double(cell.parallax_rad));
-      for (const StoredFarCell::Face& face : cell.faces) faces_bytes += face.bytes.size(), triangles += face.triangles;
+      for (const StoredFarCell::Face& face : cell.faces) {
+        faces_bytes += face.bytes.size(), triangles += face.triangles;
+        figures.faces_told += reference_of_far_face(face.bytes) ? 1U : 0U;
+      }
     }
-    monitor_.progress("far pictures", figures.cells, places_.size());
+    monitor_.progress("far pictures", figures.cells, cells_);
   }
 
   void fail(const Error& error) {
@@ -192,7 +221,8 @@ class FarBatch {
   uint64_t hash_;
   const WorkFolder& folder_;
   JobMonitor& monitor_;
-  std::span<const uint64_t> places_;
+  size_t cells_;
+  std::vector<FarGroup> groups_;
   FarScene scene_;
   std::atomic<bool> failed_ = false;
   std::mutex mutex_;

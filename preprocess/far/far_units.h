@@ -1,5 +1,5 @@
 #pragma once
-// The work units of far pictures: batches of view cells, each published when all of its cells are done.
+// The work units of far pictures: groups of view cells, each published when all of its cells are done.
 
 #include "geometry/job_monitor.h"
 #include "layout/far_io.h"
@@ -11,6 +11,7 @@ namespace promenade {
 
 struct FarFigures {
   uint64_t cells = 0, cells_with_pictures = 0, faces = 0;
+  uint64_t faces_told = 0;  ///< against a neighbour's
   double cell_m = 0, box_m = 0;
   uint32_t side_px = 0;
   double parallax_max_rad = 0;  ///< of all cells, measured
@@ -34,7 +35,7 @@ struct FarUnits {
 Result<FarUnits> make_far(const ModelReader& reader, const FarOptions& options, uint64_t hash, uint64_t memory_bytes,
                           const WorkFolder& folder, JobMonitor& monitor);
 
-/// The cells of the finished units, a unit at a time.
+/// The cells of the finished units, a unit at a time, in no order of places.
 FarCellSource cells_of(const FarUnits& units, const WorkFolder& folder);
 
 }  // namespace promenade

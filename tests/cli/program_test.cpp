@@ -149,6 +149,49 @@ TEST_F(SmallCity, study_policies_compares_them_on_one_path) {
   EXPECT_EQ(run_program("study policies city.prom --path city_walk.json --policies best", folder()).exit_code, 2);
 }
 
+TEST_F(SmallCity, gets_far_pictures_later_and_is_flown_and_held_against_the_source_with_them) {
+  fs::copy(folder() / "city.prom", folder() / "far.prom", fs::copy_options::recursive);
+  const ProgramRun made = run_program(
+      "far far.prom --far-path city_fly.json --far-bound 4 --far-side 129 --far-deltas --json far.json", folder());
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const json far = json_in(folder() / "far.json")["far"];
+  EXPECT_GT(far["cells_with_pictures"], 0);
+  EXPECT_GT(far["faces_told"], 0);
+  EXPECT_LE(far["parallax_max_deg"], 4);
+  const ProgramRun flown = run_program(
+      "fly far.prom --path city_fly.json --seconds 1 --size 160x90 --settle --policy stratified --renderer cpu --json "
+      "far_fly.json",
+      folder());
+  ASSERT_EQ(flown.exit_code, 0) << flown.err;
+  EXPECT_GT(json_in(folder() / "far_fly.json")["far_triangles_mean"], 0);
+  const ProgramRun held = run_program(
+      "verify far.prom --cells 0 --source city.glb --path city_fly.json --source-views 3 --size 320x180 --policy "
+      "stratified --json held.json",
+      folder());
+  ASSERT_EQ(held.exit_code, 0) << held.err;
+  // Four degrees are 20 pixels in the picture's middle; without far pictures as surfaces it would be hundreds.
+  EXPECT_LT(json_in(folder() / "held.json")["pixel_error_p99_px"], 25);
+  EXPECT_EQ(run_program("far far.prom --far-bound 0", folder()).exit_code, 1);
+  expect_one_clear_line(run_program("far none.prom", folder()), "none.prom");
+}
+
+TEST_F(SmallCity, study_far_tells_what_differences_from_a_neighbour_save) {
+  const ProgramRun run = run_program(
+      "study far city.prom --path city_fly.json --places 1 --far-side 129 --steps 1 --flat-cells 1 --depth-cells 2 "
+      "--json study_far.json",
+      folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json rows = json_in(folder() / "study_far.json")["far"];
+  ASSERT_EQ(rows.size(), 2U * 5U);
+  for (const json& row : rows) {
+    EXPECT_GT(row["bytes_per_cell_mean"], 0);
+    EXPECT_LT(row["color_error_mean"], 1.5 * rows[0]["color_error_mean"].get<double>() + 1);
+    if (row["name"] == "alone") {
+      EXPECT_EQ(row["share_of_alone"], 1);
+    }
+  }
+}
+
 TEST_F(SmallCity, study_hiders_compares_chains_by_size_of_cell) {
   const ProgramRun run = run_program(
       "study hiders city.prom --cells 2 --views 12 --side 2,6 --hiders none --hiders horizon --picture plan.png "
@@ -213,7 +256,7 @@ TEST_F(SmallCity, verify_finds_one_changed_bit) {
 
 TEST_F(SmallCity, verify_holds_pictures_against_the_source) {
   const ProgramRun run = run_program(
-      "verify city.prom --cells 3 --views 4 --view-size 64 --aimed-views 5 --source city.glb --source-views 3 "
+      "verify city.prom --cells 12 --views 4 --view-size 64 --aimed-views 5 --source city.glb --source-views 3 "
       "--size 320x180 --source-picture differences.png --json verify.json",
       folder());
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -227,6 +270,26 @@ TEST_F(SmallCity, verify_holds_pictures_against_the_source) {
   ASSERT_EQ(run_program("generate city --seed 9 --triangles 4000 -o other.glb", folder()).exit_code, 0);
   expect_one_clear_line(run_program("verify city.prom --cells 0 --source other.glb --source-views 1", folder()),
                         "triangles");
+}
+
+TEST_F(SmallCity, verify_goes_on_where_it_stopped) {
+  const std::string words = "verify city.prom --cells 6 --views 2 --view-size 64 --aimed-views 2 --json ";
+  const auto figures_of = [&](const std::string& file, const std::string& more) {
+    const ProgramRun run = run_program(words + file + more, folder());
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json_in(folder() / file);
+  };
+  const json whole = figures_of("whole.json", ""), stopped = figures_of("stopped.json", " --seconds 0 --skip-cells 6");
+  EXPECT_EQ(whole["cells_left"], 0);
+  EXPECT_EQ(stopped["rays_or_pixels_checked"], 0);
+  const json end = figures_of("end.json", " --skip-cells 2");
+  EXPECT_LT(end["rays_or_pixels_checked"], whole["rays_or_pixels_checked"]);
+  // However soon it stops, what it says that is left is the rest.
+  const json begin = figures_of("begin.json", " --seconds 0");
+  const uint64_t left = begin["cells_left"];
+  const json rest = figures_of("rest.json", " --skip-cells " + std::to_string(6 - left));
+  for (const char* sum : {"rays_or_pixels_checked", "rays_aimed_at_hidden_nodes", "cells_checked", "cells_solid"})
+    EXPECT_EQ(begin[sum].get<uint64_t>() + rest[sum].get<uint64_t>(), whole[sum].get<uint64_t>()) << sum;
 }
 
 TEST_F(SmallCity, a_corrupt_model_is_named_and_not_drawn) {

@@ -101,7 +101,8 @@ TEST(FarFaceCodec, refuses_other_magic_versions_and_sizes) {
     return decode_far_face(copy).ok();
   };
   EXPECT_FALSE(changed(0, 'Q'));
-  EXPECT_FALSE(changed(4, 2));
+  EXPECT_FALSE(changed(4, 2));  // told against another: of a kind that is 0
+  EXPECT_FALSE(changed(4, 3));
   EXPECT_FALSE(changed(5, 5));   // another size than the picture's
   EXPECT_FALSE(changed(5, 40));  // too large
   EXPECT_FALSE(changed(6, 1));

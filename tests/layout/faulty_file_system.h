@@ -21,6 +21,7 @@ class FaultyFileSystem : public FileSystem {
   uint64_t free_bytes = std::numeric_limits<uint64_t>::max();
   size_t largest_transfer_bytes = std::numeric_limits<size_t>::max();
   bool interrupts = false;  ///< every other call answers -EINTR
+  bool has_links = true;
   uint64_t calls = 0;
 
   int open(const std::filesystem::path& path, int flags) override {
@@ -53,6 +54,10 @@ class FaultyFileSystem : public FileSystem {
   int rename(const std::filesystem::path& from, const std::filesystem::path& to) override {
     const int fault = next_fault();
     return fault != 0 ? fault : FileSystem::rename(from, to);
+  }
+  int link(const std::filesystem::path& from, const std::filesystem::path& to) override {
+    const int fault = next_fault();
+    return fault != 0 ? fault : has_links ? FileSystem::link(from, to) : -EPERM;
   }
   int make_folder(const std::filesystem::path& path) override {
     const int fault = next_fault();

@@ -168,6 +168,131 @@ TEST(ModelWriter, leaves_nothing_when_the_disk_fills_up_at_any_byte) {
   }
 }
 
+// --- far pictures ---------------------------------------------------------------------------------------------------
+
+/// A hundred cells, each with two sides of 40 bytes; in no order of places.
+FarCellSource a_hundred_far_cells(int* batches = nullptr, int failing_batch = -1) {
+  auto batch = std::make_shared<int>(0);
+  return [=]() -> Result<std::vector<StoredFarCell>> {
+    if (batches != nullptr) *batches = *batch;
+    if (*batch == failing_batch) return Error{"the source fails"};
+    std::vector<StoredFarCell> cells;
+    for (int i = 0; i < 10 && *batch < 10; ++i) {
+      const auto place = static_cast<uint64_t>(99 - 10 * *batch - i);
+      const std::vector<std::byte> bytes(40, std::byte(place));
+      cells.push_back({place, 0.01F, {{0, 2, bytes}, {3, 7, bytes}}});
+    }
+    ++*batch;
+    return cells;
+  };
+}
+
+FarTables a_hundred_places() {
+  FarTables tables;
+  tables.bound_rad = 0.02, tables.box_m = 100, tables.cell_m = 10;
+  tables.counts = {10, 10, 1}, tables.face_levels = 3;
+  return tables;
+}
+
+Status write_squares_with_far(const fs::path& path, FileSystem& files, const FarCellSource& cells) {
+  Result<ModelWriter> writer = ModelWriter::create(path, files);
+  if (!writer) return writer.error();
+  PROMENADE_TRY(append_squares(*writer));
+  PROMENADE_TRY(writer->stage(root_and_two_leaves(), manifest_of_squares()));
+  PROMENADE_TRY(writer->add_far(a_hundred_places(), cells));
+  return writer->publish();
+}
+
+Status extend_with_far(const fs::path& path, FileSystem& files, const FarCellSource& cells) {
+  Result<ModelWriter> writer = ModelWriter::extend(path, {{"far-bound", "1"}}, files);
+  if (!writer) return writer.error();
+  PROMENADE_TRY(writer->add_far(a_hundred_places(), cells));
+  return writer->publish();
+}
+
+TEST(FarPicturesOfAModel, come_in_any_order_and_are_found_by_place) {
+  TemporaryFolder folder;
+  const Status written = write_squares_with_far(folder / "m", real_file_system(), a_hundred_far_cells());
+  ASSERT_TRUE(written) << written.error().message;
+  const Result<ModelReader> reader = ModelReader::open(folder / "m");
+  ASSERT_TRUE(reader) << reader.error().message;
+  const FarTables& tables = reader->far()->tables();
+  for (uint64_t place = 0; place < 100; ++place) {
+    const std::optional<FarCellId> cell = far_cell_of_place(tables, place);
+    ASSERT_TRUE(cell);
+    const uint32_t first = tables.cells[index_of(*cell)].first_face;
+    EXPECT_EQ(*reader->far()->read_face(first + 1), std::vector<std::byte>(40, std::byte(place)));
+  }
+}
+
+TEST(FarPicturesOfAModel, leave_nothing_when_the_disk_fills_up_or_the_source_fails) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(write_squares_with_far(folder / "m", real_file_system(), a_hundred_far_cells()));
+  uint64_t all = 0;
+  for (const auto& entry : fs::directory_iterator(folder / "m")) all += entry.file_size();
+  fs::remove_all(folder / "m");
+  for (uint64_t free_bytes = 0; free_bytes < all; free_bytes += 331) {
+    FaultyFileSystem files;
+    files.free_bytes = free_bytes;
+    const Status status = write_squares_with_far(folder / "m", files, a_hundred_far_cells());
+    ASSERT_FALSE(status);
+    EXPECT_THAT(status.error().message, HasSubstr("free some space"));
+    EXPECT_THAT(folder.names(), IsEmpty());
+  }
+  EXPECT_FALSE(write_squares_with_far(folder / "m", real_file_system(), a_hundred_far_cells(nullptr, 4)));
+  EXPECT_THAT(folder.names(), IsEmpty());
+}
+
+TEST(FarPicturesOfAModel, added_leave_the_old_model_or_bring_the_new_one_whichever_call_fails) {
+  for (const bool has_links : {true, false}) {
+    TemporaryFolder folder;
+    FaultyFileSystem sound;
+    sound.has_links = has_links;
+    ASSERT_TRUE(write_squares(folder / "m", sound, "old"));
+    sound.calls = 0;
+    const Status extended = extend_with_far(folder / "m", sound, a_hundred_far_cells());
+    ASSERT_TRUE(extended) << extended.error().message;
+    const uint64_t calls = sound.calls;
+    ASSERT_GT(calls, 30U);
+    for (const bool ever_after : {false, true})
+      for (uint64_t call = 0; call < calls; call += 3) {
+        FaultyFileSystem faultless;
+        ASSERT_TRUE(write_squares(folder / "m", faultless, "old"));
+        FaultyFileSystem files;
+        files.has_links = has_links, files.failing_call = call, files.fails_ever_after = ever_after;
+        const Status status = extend_with_far(folder / "m", files, a_hundred_far_cells());
+        EXPECT_EQ(version_at(folder / "m"), "old") << call << ": whole, with far pictures or without";
+        const Result<ModelReader> reader = ModelReader::open(folder / "m");
+        if (status) {
+          EXPECT_NE(reader->far(), nullptr) << call;
+        }
+        ASSERT_TRUE(extend_with_far(folder / "m", faultless, a_hundred_far_cells())) << call;
+        EXPECT_THAT(folder.names(), ElementsAre("m")) << call;
+        EXPECT_EQ(ModelReader::open(folder / "m")->far()->tables().cells.size(), 100U);
+      }
+  }
+}
+
+TEST(FarPicturesOfAModel, killed_half_way_are_made_anew_over_what_was_left) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(write_squares(folder / "m", real_file_system(), "old"));
+  const std::vector<std::byte> half(1000, std::byte{1});
+  fs::create_directory(folder / "m.partial");
+  for (const char* name : {"tables.bin", ".far.bin.partial", "manifest.json"})
+    ASSERT_TRUE(write_file(folder / "m.partial" / name, half));
+  EXPECT_EQ(version_at(folder / "m"), "old");
+  ASSERT_TRUE(extend_with_far(folder / "m", real_file_system(), a_hundred_far_cells()));
+  EXPECT_THAT(folder.names(), ElementsAre("m"));
+  EXPECT_EQ(version_at(folder / "m"), "old");
+  EXPECT_NE(ModelReader::open(folder / "m")->far(), nullptr);
+}
+
+TEST(FarPicturesOfAModel, refuse_what_is_no_model) {
+  TemporaryFolder folder;
+  EXPECT_FALSE(extend_with_far(folder / "none", real_file_system(), a_hundred_far_cells()));
+  EXPECT_THAT(folder.names(), IsEmpty());
+}
+
 TEST(ModelWriter, survives_short_writes_and_interrupts) {
   TemporaryFolder folder;
   FaultyFileSystem files;

@@ -12,6 +12,8 @@
 #include "codec/far_mesh.h"
 #include "geometry/cube_side.h"
 #include "geometry/random.h"
+#include "preprocess/far/far_build.h"
+#include "preprocess/far/far_groups.h"
 #include "preprocess/far/far_scene.h"
 #include "preprocess/far/far_shape.h"
 #include "tests/preprocess/build_fixtures.h"
@@ -100,13 +102,35 @@ struct DrawnCell {
   std::array<std::optional<Mesh>, 6> sides;
 };
 
+/// A side, with what it is told against if it is.
+Result<FarFace> decoded_side(const ModelReader& reader, FarCellId id, uint32_t face) {
+  const FarTables& tables = reader.far()->tables();
+  const std::vector<std::byte> bytes = *reader.far()->read_face(face);
+  const std::optional<std::array<int8_t, 3>> places = reference_of_far_face(bytes);
+  if (!places) return decode_far_face(bytes);
+  const glm::dvec3 steps((*places)[0], (*places)[1], (*places)[2]);
+  const std::optional<FarCellId> key = far_cell_at(tables, cell_box(tables, id).center() + steps * tables.cell_m);
+  if (!key) return Error{"there is no key"};
+  std::array<FarFace, 6> sides;
+  FarReference reference;
+  reference.offset = offset_from_reference(*places, tables.cell_m, tables.box_m);
+  const FarCellRecord& record = tables.cells[index_of(*key)];
+  for (uint32_t i = record.first_face; i < record.first_face + record.face_count; ++i) {
+    Result<FarFace> side = decode_far_face(*reader.far()->read_face(i));
+    if (!side) return side.error();
+    sides[tables.faces[i].side] = std::move(*side);
+    reference.sides[tables.faces[i].side] = &sides[tables.faces[i].side];
+  }
+  return decode_far_face(bytes, tables.faces[face].side, &reference);
+}
+
 DrawnCell drawn_cell(const ModelReader& reader, FarCellId id) {
   const FarTables& tables = reader.far()->tables();
   DrawnCell cell;
   cell.centre = cell_box(tables, id).center();
   const FarCellRecord& record = tables.cells[index_of(id)];
   for (uint32_t i = record.first_face; i < record.first_face + record.face_count; ++i) {
-    const Result<FarFace> face = decode_far_face(*reader.far()->read_face(i));
+    const Result<FarFace> face = decoded_side(reader, id, i);
     EXPECT_TRUE(face.ok());
     cell.sides[tables.faces[i].side] =
         far_mesh(*face, {cell.centre, tables.box_m, tables.faces[i].side, tables.has_depth});
@@ -210,6 +234,28 @@ TEST_F(FarPictures, with_depth_allow_larger_cells_at_the_same_bound) {
   EXPECT_THAT(flat.error().message, HasSubstr("--far-cell"));
 }
 
+TEST(FarGroups, hold_each_place_once_the_key_in_the_middle) {
+  FarTables tables;
+  tables.counts = {7, 4, 5};
+  std::vector<uint64_t> places;
+  for (uint64_t place = 0; place < 7 * 4 * 5; ++place)
+    if (place % 5 != 3) places.push_back(place);
+  std::vector<uint64_t> seen;
+  for (const FarGroup& group : far_groups(tables, places)) {
+    ASSERT_FALSE(group.places.empty());
+    const glm::ivec3 key(coordinates_of(tables, group.places[0]));
+    for (const uint64_t place : group.places) {
+      const glm::ivec3 steps = glm::abs(glm::ivec3(coordinates_of(tables, place)) - key);
+      EXPECT_LT(std::max({steps.x, steps.y, steps.z}), int(kFarGroupCells));
+      seen.push_back(place);
+    }
+  }
+  std::sort(seen.begin(), seen.end());
+  EXPECT_EQ(seen, places);
+  const std::vector<uint64_t> row = {0, 1, 2};
+  EXPECT_EQ(far_groups(tables, row)[0].places, (std::vector<uint64_t>{1, 0, 2}));
+}
+
 TEST_F(FarPictures, have_only_sides_that_see_something) {
   const Result<ModelReader> reader = built(options(true));
   const FarTables& tables = reader->far()->tables();
@@ -268,6 +314,62 @@ TEST_F(FarPictures, show_no_crack_where_sides_meet) {
     }
   }
   EXPECT_GT(checked, 1000);
+}
+
+TEST_F(FarPictures, told_against_neighbours_take_less_and_show_the_same_within_what_coding_loses) {
+  for (const bool depth : {true, false}) {
+    BuildOptions o = options(depth);
+    o.far.side_px = 129, o.far.deltas = true;
+    o.far.along = {{0, 0, 3}, {6, 0, 3}, {12, 0, 3}, {18, 0, 3}, {24, 0, 3}, {24, 6, 3}, {24, 12, 3}};
+    const Result<ModelReader> told = built(o);
+    const FarFigures told_figures = figures->far;
+    EXPECT_GT(told_figures.faces_told, told_figures.faces / 4);
+    o.far.deltas = false;
+    o.model = folder.path() / "alone.prom";
+    const Result<ModelReader> alone = built(o);
+    EXPECT_EQ(figures->far.faces_told, 0U);
+    EXPECT_LT(told_figures.bytes_mean, figures->far.bytes_mean);
+    const FarTables& tables = told->far()->tables();
+    ASSERT_EQ(tables.cells, alone->far()->tables().cells);
+    for (uint32_t cell = 0; cell < tables.cells.size(); ++cell)
+      for (uint32_t k = 0; k < tables.cells[cell].face_count; ++k) {
+        const uint32_t face = tables.cells[cell].first_face + k;
+        const Result<FarFace> a = decoded_side(*alone, FarCellId{cell}, face),
+                              b = decoded_side(*told, FarCellId{cell}, face);
+        ASSERT_TRUE(a.ok() && b.ok()) << (b.ok() ? a : b).error().message;
+        EXPECT_EQ(a->depth, b->depth);
+        double sum = 0, count = 0;
+        for (size_t i = 0; i < a->colors.pixels.size(); ++i) {
+          const glm::u8vec4 &p = a->colors.pixels[i], &q = b->colors.pixels[i];
+          ASSERT_EQ(p.a, q.a);
+          if (p.a == 0) continue;
+          for (int c = 0; c < 3; ++c) sum += std::abs(double(p[c]) - double(q[c])), ++count;
+        }
+        EXPECT_LT(sum / count, 4);
+      }
+  }
+}
+
+TEST_F(FarPictures, added_to_a_model_are_those_of_its_build) {
+  const BuildOptions o = options(true);
+  ASSERT_TRUE(built(o).ok());
+  const std::vector<std::byte> due = *read_file(o.model / "far.bin");
+  BuildOptions without = o;
+  without.far.pictures = false, without.model = folder.path() / "later.prom";
+  ASSERT_TRUE(built(without).ok());
+  const Result<FarFigures> added = add_far_pictures(without.model, o.far, without.memory_bytes, 1, monitor);
+  ASSERT_TRUE(added.ok()) << added.error().message;
+  const Result<ModelReader> reader = ModelReader::open(without.model);
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  EXPECT_EQ(reader->model().manifest.settings.at("far-bound"), "1.5");
+  EXPECT_EQ(*read_file(without.model / "far.bin"), due);
+  EXPECT_TRUE(verify_checksums(*reader, monitor));
+  EXPECT_FALSE(std::filesystem::exists(without.model.string() + ".work"));
+  // Once more, in place of those.
+  FarOptions flat = options(false).far;
+  ASSERT_TRUE(add_far_pictures(without.model, flat, without.memory_bytes, 2, monitor).ok());
+  EXPECT_FALSE(ModelReader::open(without.model)->far()->tables().has_depth);
+  EXPECT_FALSE(add_far_pictures(folder.path() / "none.prom", flat, without.memory_bytes, 1, monitor).ok());
 }
 
 TEST_F(FarPictures, refuse_what_cannot_be) {

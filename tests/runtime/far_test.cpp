@@ -40,18 +40,29 @@ class FarForest : public Forest {
     face_.depth.assign(81, 0);
     for (const uint32_t at : {0U, 8U, 72U, 80U}) face_.depth[at] = FarFace::kNearest / 2;
     bytes_ = *encode_far_face(face_, {0});
+    const FarFace decoded = *decode_far_face(bytes_);
+    FarReference reference;
+    reference.sides[0] = reference.sides[5] = &decoded;
+    reference.places = {0, -1, 0};
+    reference.offset = offset_from_reference(reference.places, tables_.cell_m, tables_.box_m);
+    for (const uint32_t side : {0U, 5U})
+      told_bytes_[side] = *encode_far_delta(face_, {90}, side, reference, FarForetelling::warped);
   }
   const FarTables* far() const override { return &tables_; }
   Result<std::vector<std::byte>> read_far_face(uint32_t face) const override {
+    ++reads;
     if (broken.contains(face)) return Error{"far forest: unreadable"};
-    return bytes_;
+    return told.contains(face) ? told_bytes_.at(tables_.faces[face].side) : bytes_;
   }
   std::set<uint32_t> broken;
+  std::set<uint32_t> told;  ///< against the same side of the cell before
+  mutable int reads = 0;
 
  private:
   FarTables tables_;
   FarFace face_;
   std::vector<std::byte> bytes_;
+  std::map<uint32_t, std::vector<std::byte>> told_bytes_;
 };
 
 // --- follower -----------------------------------------------------------------------------------------------------
@@ -186,6 +197,32 @@ TEST(FarStore, gives_up_a_cell_that_cannot_be_read_or_uploaded) {
   EXPECT_EQ(renderer.bytes(), 0U);
 }
 
+TEST(FarStore, brings_sides_that_are_told_against_a_neighbours_reading_that_once) {
+  FarForest source;
+  source.told = {8, 9};  // both sides of cell 4
+  NullRenderer renderer;
+  FarStore store(source, renderer, 1 << 20);
+  store.want(cells({4}));
+  work(store, renderer);
+  ASSERT_TRUE(store.find(FarCellId{4}));
+  EXPECT_EQ(store.find(FarCellId{4})->triangles, 4U);
+  EXPECT_EQ(source.reads, 2 + 2);
+  EXPECT_TRUE(store.failures().empty());
+}
+
+TEST(FarStore, gives_up_a_side_told_against_one_that_is_told_itself_or_is_not_there) {
+  FarForest source;
+  source.told = {0, 1, 6, 7, 8, 9};  // the first cell has none before it
+  NullRenderer renderer;
+  FarStore store(source, renderer, 1 << 20);
+  store.want(cells({4, 0, 3}));
+  work(store, renderer);
+  EXPECT_FALSE(store.find(FarCellId{4}));
+  EXPECT_FALSE(store.find(FarCellId{0}));
+  EXPECT_TRUE(store.find(FarCellId{3}));
+  EXPECT_EQ(store.failures().size(), 2U);
+}
+
 // --- session ------------------------------------------------------------------------------------------------------
 
 SessionOptions stratified() {
@@ -264,7 +301,8 @@ TEST(StratifiedSession, keeps_the_memory_bound_with_pictures) {
 TEST(FarStage, looks_as_it_was_drawn_whatever_faces_the_sun) {
   const FarForest source;
   const std::unique_ptr<Renderer> renderer = create_cpu_renderer();
-  const Result<StagedFarSide> side = stage_far_side(source, *renderer, FarCellId{0}, 0);
+  FarKey key;
+  const Result<StagedFarSide> side = stage_far_side(source, *renderer, FarCellId{0}, 0, key);
   ASSERT_TRUE(side.ok()) << side.error().message;
   const Result<TextureHandle> texture = renderer->create_texture(*side->texture);
   const Result<MeshHandle> mesh = renderer->create_mesh(*side->mesh, std::span(&*texture, 1));
@@ -282,6 +320,30 @@ TEST(FarStage, looks_as_it_was_drawn_whatever_faces_the_sun) {
   }
   const Result<std::vector<float>> depth = renderer->read_depth();
   EXPECT_NEAR((*depth)[0], 60, 0.5) << "twice as far as the box";
+}
+
+TEST(FarStage, of_a_told_side_looks_as_the_same_side_alone) {
+  FarForest source;
+  const std::unique_ptr<Renderer> renderer = create_cpu_renderer();
+  FarKey key;
+  const Result<StagedFarSide> alone = stage_far_side(source, *renderer, FarCellId{4}, 8, key);
+  source.told = {8};
+  const Result<StagedFarSide> told = stage_far_side(source, *renderer, FarCellId{4}, 8, key);
+  ASSERT_TRUE(told.ok()) << told.error().message;
+  EXPECT_EQ(told->triangles, alone->triangles);
+  std::array<glm::u8vec4, 2> middle{};
+  for (const StagedFarSide* side : {&*alone, &*told}) {
+    const Result<TextureHandle> texture = renderer->create_texture(*side->texture);
+    const Result<MeshHandle> mesh = renderer->create_mesh(*side->mesh, std::span(&*texture, 1));
+    FrameView view;
+    view.camera = scenes::looking_along_x();
+    view.camera.pose.eye = cell_box(*source.far(), FarCellId{4}).center();
+    const std::vector<DrawItem> items = {{*mesh, kNoNode}};
+    ASSERT_TRUE(renderer->draw(view, items).ok());
+    const Result<Image> picture = renderer->read_color();
+    middle[side == &*told ? 1 : 0] = picture->at(picture->width / 2, picture->height / 2);
+  }
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(middle[0][c], middle[1][c], 3);
 }
 
 TEST(CubeSide, is_what_the_rasteriser_draws) {
