@@ -270,15 +270,18 @@ Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
 }
 
 Status NodeBuilder::encode(const Mesh& mesh, double step_m, StoredNode& stored, float& error_m) const {
-  if (options_.codec != GeometryCodec::raw)
-    for (int i = 0; i < kMostHalvings && loses_surface_on_grid(mesh, static_cast<float>(step_m)); ++i) step_m /= 2;
+  bool loses = options_.codec != GeometryCodec::raw && loses_surface_on_grid(mesh, static_cast<float>(step_m));
+  for (int i = 0; i < kMostHalvings && loses; ++i) {
+    step_m /= 2;
+    loses = loses_surface_on_grid(mesh, static_cast<float>(step_m));
+  }
   std::string why;
   for (int i = 0; i < kMostSteps; ++i, step_m *= 2) {
     stored.step_m = static_cast<float>(step_m);
     Result<EncodedMesh> encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
     // Smaller or thinner than any grid, and yet a node needs a box and its bound holds.
-    if (encoded.ok() && options_.codec != GeometryCodec::raw &&
-        (encoded->triangles == 0 || loses_surface_on_grid(mesh, stored.step_m))) {
+    if (i > 0 && options_.codec != GeometryCodec::raw) loses = loses_surface_on_grid(mesh, stored.step_m);
+    if (encoded.ok() && options_.codec != GeometryCodec::raw && (encoded->triangles == 0 || loses)) {
       stored.step_m = 0;
       encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
     }
