@@ -142,17 +142,14 @@ void LoaderThread::grant(double ms) {
 }
 
 void LoaderThread::wake() {
-  {
-    const std::lock_guard lock(mutex_);
-    quiet_ = false;
-    ++wakes_;
-  }
+  ++wakes_;
+  // Where this comes between its look at `wakes_` and its sleep it sleeps for kIdleWait.
   changed_.notify_all();
 }
 
 void LoaderThread::wait() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return quiet_ || stop_; });
+  changed_.wait(lock, [this] { return stop_ || (quiet_ && seen_ == wakes_); });
 }
 
 double LoaderThread::cpu_ms() const { return cpu_ms_of(thread_); }
@@ -162,7 +159,7 @@ void LoaderThread::loop() {
   static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNiceness));
   std::unique_lock lock(mutex_);
   while (!stop_) {
-    const uint64_t wakes = wakes_;
+    seen_ = wakes_;
     Loader::Step step;
     const bool allowed = free_ || credit_ms_ > 0;
     if (allowed) {
@@ -177,10 +174,10 @@ void LoaderThread::loop() {
         changed_.wait_for(lock, std::chrono::duration<double, std::milli>(step.owed_ms), [this] { return stop_; });
       continue;
     }
-    if (wakes != wakes_) continue;  // something changed while it looked
+    if (seen_ != wakes_) continue;  // something changed while it looked
     quiet_ = true;
     changed_.notify_all();
-    changed_.wait_for(lock, kIdleWait, [&] { return stop_ || wakes != wakes_; });
+    changed_.wait_for(lock, kIdleWait, [this] { return stop_ || seen_ != wakes_; });
   }
   quiet_ = true;
   changed_.notify_all();

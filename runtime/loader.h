@@ -98,7 +98,8 @@ class LoaderThread {
   /// what was left of an earlier grant is lost.
   void run_freely();
   void grant(double ms);
-  /// Something changed (priorities, room): look again.
+  /// Something changed (priorities, room): look again. Never waits for the thread, which has a low priority and may
+  /// have lost its processor to others while it holds the mutex.
   void wake();
   /// Processor time that it has taken.
   double cpu_ms() const;
@@ -115,7 +116,8 @@ class LoaderThread {
   bool free_ = true;      ///< guarded by mutex_: no limit
   bool quiet_ = false;    ///< guarded by mutex_: spent, idle or waiting
   bool stop_ = false;     ///< guarded by mutex_
-  uint64_t wakes_ = 0;    ///< guarded by mutex_
+  uint64_t seen_ = 0;     ///< guarded by mutex_: `wakes_` when it last looked
+  std::atomic<uint64_t> wakes_{0};
   std::thread thread_;
 };
 

@@ -46,10 +46,14 @@ wait "$viewer" || status=$?
 viewer=
 ((status == 0)) || fail "exit $status"
 ! grep -q "Sanitizer" view.log || fail "a sanitizer reports"
-python3 - <<'P'
+# Sanitizers keep what was freed for a while.
+slack=1.02
+grep -q -e __asan_init -e __tsan_init "$program" && slack=1.2
+python3 - "$slack" <<'P'
+import sys
 rss = [int(line) / 1024 for line in open("memory.txt")]
 third = len(rss) // 3
 before, after = max(rss[third:2 * third]), max(rss[2 * third:])
 print(f"viewer_soak: {len(rss)} events; resident at most {before:.0f} MiB in the second third, {after:.0f} MiB in the last")
-assert after < before * 1.1 + 8, "memory grows"
+assert after < before * float(sys.argv[1]) + 4, "memory grows"
 P
