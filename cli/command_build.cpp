@@ -136,7 +136,7 @@ void add_cell_options(CLI::App& app, CellOptions& o) {
           },
           fmt::format(
               "What proves that nodes are hidden, in order: none, some of {}, or auto: {} in an octree's cells, {} "
-              "in those along walls",
+              "in those along walls, less what hides next to nothing in this model",
               hider_names(), fmt::join(hiders_for(CellStyle::octree), ","), fmt::join(hiders_for(CellStyle::kd), ",")))
       ->default_str(std::string(kAutoHiders));
   add_parsed<CellStyle>(*group, "--cells", o.cells, parse_cells,

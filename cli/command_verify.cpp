@@ -43,6 +43,15 @@ void add_cell_check(CLI::App& app, VerifyCellsOptions& o) {
   CLI::Option_group* group = app.add_option_group("cells", "Is anything hidden that can be seen?");
   o.looks.around = false, o.looks.picture_px = 512, o.looks.views = 50, o.looks.aimed_views = 50;
   group->add_option("--cells", o.cells, "Random view cells to look around in (0: none)")->capture_default_str();
+  group
+      ->add_option("--skip-cells", o.skip_cells,
+                   "Leave out the first so many of these, which an earlier run has checked")
+      ->capture_default_str();
+  group
+      ->add_option("--seconds", o.seconds,
+                   "Begin no cell later than so many seconds after the first, and say how to go on")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S");
   group->add_option("--views", o.looks.views, "Random pictures from each cell, half of them from its boundary")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

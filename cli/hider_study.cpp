@@ -6,9 +6,8 @@
 #include "cli/console.h"
 #include "cli/node_picture.h"
 #include "geometry/camera.h"
-#include "preprocess/visibility/hider_chain.h"
+#include "preprocess/visibility/hider_trial.h"
 #include "preprocess/visibility/hiders/sampled.h"
-#include "preprocess/visibility/visibility.h"
 
 namespace promenade {
 namespace {
@@ -65,9 +64,15 @@ HiderStudy::HiderStudy(const HiderStudyOptions& options, const NodeMeshes& meshe
 
 Status HiderStudy::add(const Box& cell) {
   const std::vector<NodeId> front = cell_front(meshes_.model().model(), cell, bound_);
-  const Result<Looks> looks = look_from_cell(meshes_, cell, front, {}, options_.looks);
+  LookOptions around = options_.looks;
+  around.aimed_views = 0;
+  Result<Looks> looks = look_from_cell(meshes_, cell, front, {}, around);
   if (!looks) return looks.error();
   if (looks->eyes == 0) return Done{};
+  // By chain, for each node: 0, or 1 + the place in the chain of the hider that hid it.
+  std::vector<std::vector<uint8_t>> hidden_by(rows_.size(), std::vector<uint8_t>(front.size(), 0));
+  for (size_t i = 0; i < rows_.size(); ++i) PROMENADE_TRY(ask(rows_[i], cell, front, hidden_by[i]));
+  PROMENADE_TRY(aim(cell, front, hidden_by.back(), *looks));
   ++cells;
   eyes += looks->eyes, pixels += looks->pixels;
   front_nodes += front.size();
@@ -77,13 +82,12 @@ Status HiderStudy::add(const Box& cell) {
   const WallClock clock;
   PROMENADE_TRY(reference_->hide({cell, front}, none));
   reference_ms += clock.seconds() * 1e3;
-  for (ChainRow& row : rows_) PROMENADE_TRY(try_chain(row, cell, front, *looks));
+  for (size_t i = 0; i < rows_.size(); ++i) PROMENADE_TRY(judge_chain(rows_[i], cell, front, hidden_by[i], *looks));
   return Done{};
 }
 
-Status HiderStudy::try_chain(ChainRow& row, const Box& cell, std::span<const NodeId> front, const Looks& looks) {
+Status HiderStudy::ask(ChainRow& row, const Box& cell, std::span<const NodeId> front, std::span<uint8_t> hidden_by) {
   std::vector<uint8_t> hidden(front.size(), 0);
-  std::vector<uint8_t> hidden_by(front.size(), 0);  // 1 + the hider's place in the chain
   for (size_t h = 0; h < row.hiders.size(); ++h) {
     const WallClock clock;
     PROMENADE_TRY(row.hiders[h]->hide({cell, front}, hidden));
@@ -91,6 +95,29 @@ Status HiderStudy::try_chain(ChainRow& row, const Box& cell, std::span<const Nod
     for (size_t i = 0; i < front.size(); ++i)
       if (hidden[i] != 0 && hidden_by[i] == 0) hidden_by[i] = static_cast<uint8_t>(h + 1);
   }
+  return Done{};
+}
+
+/// Looks closer at what is kept but not seen yet.
+Status HiderStudy::aim(const Box& cell, std::span<const NodeId> front, std::span<const uint8_t> hidden_by,
+                       Looks& looks) const {
+  if (options_.looks.aimed_views == 0) return Done{};
+  std::vector<uint8_t> unseen(front.size(), 0);
+  for (size_t i = 0; i < front.size(); ++i) unseen[i] = hidden_by[i] == 0 && looks.pixels_of[i] == 0 ? 1 : 0;
+  if (std::find(unseen.begin(), unseen.end(), 1) == unseen.end()) return Done{};
+  LookOptions closer = options_.looks;
+  closer.seed += 1;  // from other eyes
+  const Result<Looks> more = look_from_cell(meshes_, cell, front, unseen, closer);
+  if (!more) return more.error();
+  looks.pixels += more->pixels;
+  for (size_t i = 0; i < front.size(); ++i) looks.pixels_of[i] += more->pixels_of[i];
+  return Done{};
+}
+
+Status HiderStudy::judge_chain(ChainRow& row, const Box& cell, std::span<const NodeId> front,
+                               std::span<const uint8_t> hidden_by, const Looks& looks) {
+  std::vector<uint8_t> hidden(front.size(), 0);
+  for (size_t i = 0; i < front.size(); ++i) hidden[i] = hidden_by[i] != 0 ? 1 : 0;
   const bool last = &row == &rows_.back();
   if (last && cells == 1 && !options_.picture.empty()) PROMENADE_TRY(draw_plan(cell, front, hidden_by, looks));
   if (last && options_.eyes > 0) PROMENADE_TRY(see_from_eyes(row, cell, front, hidden));

@@ -18,6 +18,7 @@
 namespace promenade {
 
 struct HiderStudyOptions {
+  /// aimed_views: at nodes that the last chain keeps and no other picture shows; what they show is seen, too.
   LookOptions looks;
   double pixel_error = 1;         ///< of the cells' fronts, at 1280 x 720, 60 degrees
   uint32_t eyes = 0;              ///< in each cell, for what an eye sees
@@ -64,7 +65,10 @@ class HiderStudy {
   Drawn cell_to_object, eye_to_object;
 
  private:
-  Status try_chain(ChainRow& row, const Box& cell, std::span<const NodeId> front, const Looks& looks);
+  Status ask(ChainRow& row, const Box& cell, std::span<const NodeId> front, std::span<uint8_t> hidden_by);
+  Status aim(const Box& cell, std::span<const NodeId> front, std::span<const uint8_t> hidden_by, Looks& looks) const;
+  Status judge_chain(ChainRow& row, const Box& cell, std::span<const NodeId> front, std::span<const uint8_t> hidden_by,
+                     const Looks& looks);
   Status see_from_eyes(const ChainRow& row, const Box& cell, std::span<const NodeId> front,
                        std::span<const uint8_t> hidden);
   Status draw_plan(const Box& cell, std::span<const NodeId> front, std::span<const uint8_t> hidden_by,

@@ -217,6 +217,11 @@ Command add_study_hiders(CLI::App& study) {
   app->add_option("--views", arguments->study.looks.views, "Pictures of each cell that say what is seen")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app->add_option("--aimed-views", arguments->study.looks.aimed_views,
+                  fmt::format("Besides, as many again from other eyes, and narrow pictures of {} rays, aimed at "
+                              "triangles of nodes that the last chain keeps and no picture shows",
+                              LookOptions::kAimedPx * LookOptions::kAimedPx))
+      ->capture_default_str();
   app->add_option("--eyes", arguments->study.eyes,
                   "Eyes in each cell, for a table of what is drawn of the whole model, of what the last chain leaves "
                   "to the cell, and of what it leaves to an eye and its view of 60 degrees")

@@ -9,10 +9,10 @@
 #include <optional>
 #include <random>
 
+#include "cli/console.h"
 #include "cli/node_picture.h"
-#include "preprocess/visibility/hider_chain.h"
+#include "preprocess/visibility/hider_trial.h"
 #include "preprocess/visibility/study_cells.h"
-#include "preprocess/visibility/visibility.h"
 
 namespace promenade {
 namespace {
@@ -137,18 +137,22 @@ Status verify_cells(const VerifyCellsOptions& options, const ModelReader& reader
   Answers answers(options, reader, **meshes);
   PROMENADE_TRY(answers.prepare(monitor));
   std::vector<std::optional<Result<CheckedCell>>> checked(answers.count());
-  std::atomic<size_t> done = 0;
-  tbb::parallel_for(size_t(0), checked.size(), [&](size_t i) {
-    if (monitor.cancelled()) return;
+  const size_t first = std::min<size_t>(options.skip_cells, checked.size());
+  std::atomic<size_t> next = first, done = first;
+  const WallClock clock;
+  tbb::parallel_for(first, checked.size(), [&](size_t /*any*/) {
+    if (monitor.cancelled() || (options.seconds && clock.seconds() > *options.seconds)) return;
+    const size_t i = next++;  // in order, so that what is left is the last cells
     checked[i] = answers.check(i);
     monitor.progress("look around in cells", ++done, checked.size());
   });
   if (monitor.cancelled()) return Error{"interrupted"};
+  const size_t end = next;
   Totals totals;
   const CheckedCell* worst = nullptr;
   const glm::dvec3& origin = reader.model().manifest.origin;
   figures["missed"] = Json::array();
-  for (const std::optional<Result<CheckedCell>>& cell : checked) {
+  for (const std::optional<Result<CheckedCell>>& cell : std::span(checked).subspan(first, end - first)) {
     if (!cell->ok()) return cell->error();
     totals.add(**cell);
     for (const MissedRay& ray : (*cell)->looks.missed) {
@@ -173,6 +177,10 @@ Status verify_cells(const VerifyCellsOptions& options, const ModelReader& reader
   figures["missed_pixels"] = totals.missed_pixels;
   fmt::print("{} cells ({} more are solid), {} pixels, {} of them rays aimed at hidden nodes; overestimate {:.3f}\n",
              totals.cells, totals.solid_cells, totals.pixels, totals.aimed_rays, ratio);
+  figures["cells_left"] = checked.size() - end;
+  if (end < checked.size())
+    fmt::print("  {} cells are left: go on with --skip-cells {} and the same --cells and --seed\n",
+               checked.size() - end, end);
   fmt::print(
       "  hidden and yet seen: {} nodes, {} pixels; of these {} pixels through cracks between levels of detail, {} "
       "through\n"

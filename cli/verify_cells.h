@@ -15,6 +15,8 @@ struct VerifyCellsOptions {
   std::string hiders;             ///< what they hide is checked instead of what the model stores; empty: the model's
   double pixel_error = 1;         ///< of the fronts, for a model without cells
   std::filesystem::path picture;  ///< the view with most misses; empty: none
+  uint32_t skip_cells = 0;        ///< of these, that an earlier run has checked
+  std::optional<double> seconds;  ///< no cell is begun later; nullopt: all are
   LookOptions looks;
 };
 

@@ -17,7 +17,7 @@ namespace promenade {
 namespace {
 
 constexpr uint32_t kMagic = 0x48534d50;  // "PMSH"
-constexpr uint8_t kVersion = 2;
+constexpr uint8_t kVersion = 3;
 constexpr size_t kHeaderBytes = 24;
 constexpr uint8_t kHasNormals = 1, kHasTexcoords = 2, kHasColors = 4, kHasMaterials = 8, kOnGrid = 16;
 constexpr uint8_t kAllFlags = 31;

@@ -17,10 +17,20 @@ constexpr float kOctahedralScale = 256;
 constexpr glm::i16vec2 kNoNormal{512, 512};           // off the octahedron's square: 0, the triangle's own normal
 constexpr double kFarthestStep = 4503599627370496.0;  // 2^52: beyond, doubles do not count steps
 
-/// Steps of one coordinate along the grid through zero.
-int64_t steps_of(float value, int exponent) { return std::llround(std::ldexp(double(value), -exponent)); }
+/// 2^exponent. Products with it are exact, and far quicker than std::ldexp for every coordinate of a model.
+double power_of_two(int exponent) { return std::ldexp(1.0, exponent); }
 
-float value_of(int64_t steps, int exponent) { return static_cast<float>(std::ldexp(double(steps), exponent)); }
+/// The nearest whole number, halves away from zero, as std::llround, which is a call.
+int64_t rounded(double value) {
+  const double whole = std::trunc(value);
+  const double rest = value - whole;
+  return static_cast<int64_t>(whole) + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+}
+
+/// Steps of one coordinate along the grid through zero; steps a unit: a power of two.
+int64_t steps_of(float value, double steps_a_unit) { return rounded(double(value) * steps_a_unit); }
+
+float value_of(int64_t steps, double step) { return static_cast<float>(double(steps) * step); }
 
 /// Smallest and largest value of one component.
 template <class Vec>
@@ -33,19 +43,20 @@ std::pair<float, float> range_of(const std::vector<Vec>& values, int axis) {
 Status quantize_positions(const Mesh& mesh, int exponent, QuantizedMesh& out) {
   out.on_grid = true;
   out.position_exponent = static_cast<int8_t>(exponent);
+  const double steps_a_metre = power_of_two(-exponent);
   for (int axis = 0; axis < 3 && !mesh.positions.empty(); ++axis) {
     const auto [low, high] = range_of(mesh.positions, axis);
-    if (std::ldexp(std::max(std::abs(double(low)), std::abs(double(high))), -exponent) > kFarthestStep)
+    if (std::max(std::abs(double(low)), std::abs(double(high))) * steps_a_metre > kFarthestStep)
       return Error{fmt::format("mesh coordinate {} is too far out for a step of 2^{} m; choose a larger step",
                                std::abs(low) > std::abs(high) ? low : high, exponent)};
-    const int64_t base = steps_of(low, exponent);
-    const int64_t extent = steps_of(high, exponent) - base;
+    const int64_t base = steps_of(low, steps_a_metre);
+    const int64_t extent = steps_of(high, steps_a_metre) - base;
     if (extent > kMaxPositionSteps)
       return Error{fmt::format("mesh of {} m is {} steps of 2^{} m across, at most {} are coded; choose a larger step",
                                double(high) - double(low), extent, exponent, kMaxPositionSteps)};
     out.position_base[static_cast<size_t>(axis)] = base;
     for (size_t v = 0; v < mesh.positions.size(); ++v)
-      out.positions[v][axis] = static_cast<uint32_t>(steps_of(mesh.positions[v][axis], exponent) - base);
+      out.positions[v][axis] = static_cast<uint32_t>(steps_of(mesh.positions[v][axis], steps_a_metre) - base);
   }
   return Done{};
 }
@@ -61,11 +72,12 @@ void quantize_texcoords(const Mesh& mesh, int64_t max_steps, QuantizedMesh& out)
   while (std::ldexp(extent, -exponent) > double(max_steps - 2) || std::ldexp(farthest, -exponent) > kFarthestStep)
     ++exponent;
   out.texcoord_exponent = static_cast<int8_t>(exponent);
-  out.texcoord_base = {steps_of(u_low, exponent), steps_of(v_low, exponent)};
+  const double steps_a_side = power_of_two(-exponent);
+  out.texcoord_base = {steps_of(u_low, steps_a_side), steps_of(v_low, steps_a_side)};
   out.texcoords.resize(mesh.texcoords.size());
   for (size_t v = 0; v < mesh.texcoords.size(); ++v)
     for (int axis = 0; axis < 2; ++axis)
-      out.texcoords[v][axis] = static_cast<uint32_t>(steps_of(mesh.texcoords[v][axis], exponent) -
+      out.texcoords[v][axis] = static_cast<uint32_t>(steps_of(mesh.texcoords[v][axis], steps_a_side) -
                                                      out.texcoord_base[static_cast<size_t>(axis)]);
 }
 
@@ -146,12 +158,13 @@ Result<QuantizedMesh> quantize(const Mesh& mesh, std::optional<float> position_s
 
 Mesh dequantize(const QuantizedMesh& mesh) {
   Mesh out;
+  const double step_m = power_of_two(mesh.position_exponent), texcoord_step = power_of_two(mesh.texcoord_exponent);
   out.positions.resize(mesh.positions.size());
   for (size_t v = 0; v < mesh.positions.size(); ++v)
     for (int axis = 0; axis < 3; ++axis) {
       const uint32_t coded = mesh.positions[v][axis];
       out.positions[v][axis] =
-          mesh.on_grid ? value_of(mesh.position_base[static_cast<size_t>(axis)] + coded, mesh.position_exponent)
+          mesh.on_grid ? value_of(mesh.position_base[static_cast<size_t>(axis)] + coded, step_m)
                        : std::bit_cast<float>(coded);
     }
   out.normals.reserve(mesh.normals.size());
@@ -160,7 +173,7 @@ Mesh dequantize(const QuantizedMesh& mesh) {
   for (size_t v = 0; v < mesh.texcoords.size(); ++v)
     for (int axis = 0; axis < 2; ++axis)
       out.texcoords[v][axis] =
-          value_of(mesh.texcoord_base[static_cast<size_t>(axis)] + mesh.texcoords[v][axis], mesh.texcoord_exponent);
+          value_of(mesh.texcoord_base[static_cast<size_t>(axis)] + mesh.texcoords[v][axis], texcoord_step);
   out.colors = mesh.colors;
   out.indices = mesh.indices;
   if (mesh.has_materials) {
@@ -171,12 +184,12 @@ Mesh dequantize(const QuantizedMesh& mesh) {
 }
 
 glm::vec3 snapped(const glm::vec3& position, float step_m) {
-  const int exponent = std::ilogb(step_m);
+  const double steps_a_metre = 1 / double(step_m);
   glm::vec3 out = position;
   // A float that is 2^24 steps or more has no digits below a step.
   for (int axis = 0; axis < 3; ++axis)
-    if (std::ldexp(std::abs(double(position[axis])), -exponent) < double(1 << 24))
-      out[axis] = value_of(steps_of(position[axis], exponent), exponent);
+    if (std::abs(double(position[axis])) * steps_a_metre < double(1 << 24))
+      out[axis] = value_of(steps_of(position[axis], steps_a_metre), double(step_m));
   return out;
 }
 

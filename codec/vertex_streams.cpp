@@ -174,22 +174,28 @@ bool get_differences(ByteReader& reader, const std::vector<Guess>& guesses, cons
 
 uint32_t bytes_of_codes(size_t colors) { return colors < 256 ? 1 : colors < 65536 ? 2 : 4; }
 
+/// Red above all, so that colours in order have small steps of red.
 uint32_t packed(const glm::u8vec4& c) {
-  return uint32_t(c.r) | uint32_t(c.g) << 8U | uint32_t(c.b) << 16U | uint32_t(c.a) << 24U;
+  return uint32_t(c.r) << 24U | uint32_t(c.g) << 16U | uint32_t(c.b) << 8U | uint32_t(c.a);
 }
+glm::u8vec4 unpacked(uint32_t c) { return {c >> 24U, (c >> 16U) & 0xffU, (c >> 8U) & 0xffU, c & 0xffU}; }
 
-/// The colours that occur, by first use, and for each vertex 0 for the colour of the vertex that the guess begins with,
+/// The colours that occur, in order, and for each vertex 0 for the colour of the vertex that the guess begins with,
 /// else its place among them, from 1 on.
 void put_colors(const std::vector<glm::u8vec4>& colors, const std::vector<Guess>& guesses, ByteWriter& writer) {
-  std::unordered_map<uint32_t, uint32_t> places;
   std::vector<uint32_t> palette, codes;
+  palette.reserve(colors.size()), codes.reserve(colors.size());
+  for (const glm::u8vec4& c : colors) palette.push_back(packed(c));
+  std::sort(palette.begin(), palette.end());
+  palette.erase(std::unique(palette.begin(), palette.end()), palette.end());
   for (size_t v = 0; v < colors.size(); ++v) {
-    const auto [found, is_new] = places.emplace(packed(colors[v]), static_cast<uint32_t>(palette.size()));
-    if (is_new) palette.push_back(packed(colors[v]));
     const bool as_expected = guesses[v].known > 0 && colors[guesses[v].a] == colors[v];
-    codes.push_back(as_expected ? 0 : found->second + 1);
+    const auto place = std::lower_bound(palette.begin(), palette.end(), packed(colors[v])) - palette.begin();
+    codes.push_back(as_expected ? 0 : static_cast<uint32_t>(place) + 1);
   }
   writer.put(static_cast<uint32_t>(palette.size()));
+  // Only red is told as a difference: the others begin anew with every red.
+  for (size_t i = palette.size(); i-- > 1;) palette[i] -= palette[i - 1] & 0xff000000U;
   put_planes(palette, 4, writer);
   put_planes(codes, bytes_of_codes(palette.size()), writer);
 }
@@ -200,6 +206,7 @@ Status get_colors(ByteReader& reader, const std::vector<Guess>& guesses, std::ve
   std::vector<uint32_t> palette(count), codes(guesses.size());
   if (!get_planes(reader, 4, palette) || !get_planes(reader, bytes_of_codes(count), codes))
     return Error{"mesh: colours reach beyond the end"};
+  for (size_t i = 1; i < palette.size(); ++i) palette[i] += palette[i - 1] & 0xff000000U;
   colors.reserve(codes.size());
   for (size_t v = 0; v < codes.size(); ++v) {
     if (codes[v] > count || (codes[v] == 0 && guesses[v].known == 0))
@@ -209,8 +216,7 @@ Status get_colors(ByteReader& reader, const std::vector<Guess>& guesses, std::ve
       colors.push_back(same);
       continue;
     }
-    const uint32_t c = palette[codes[v] - 1];
-    colors.emplace_back(c & 0xffU, (c >> 8U) & 0xffU, (c >> 16U) & 0xffU, c >> 24U);
+    colors.push_back(unpacked(palette[codes[v] - 1]));
   }
   return Done{};
 }

@@ -14,7 +14,7 @@
 #include "preprocess/object_units.h"
 #include "preprocess/partition.h"
 #include "preprocess/unit_io.h"
-#include "preprocess/visibility/hider_chain.h"
+#include "preprocess/visibility/hider_trial.h"
 
 namespace promenade {
 
@@ -22,7 +22,7 @@ namespace {
 
 constexpr uint64_t kHidersPart = 2;  // of the memory: nothing else of a build is in it by then
 
-constexpr uint32_t kUnitsVersion = 5;  // of the work units' content: a change makes builds begin anew
+constexpr uint32_t kUnitsVersion = 7;  // of the work units' content: a change makes builds begin anew
 
 /// Measures the stages of a build.
 class StageClock {
@@ -77,7 +77,7 @@ uint64_t hash_of(const BuildOptions& o, const MemoryBudget& budget, const Survey
 /// The grid of all leaves: far below their own detail, at most two millimetres (rounding by half of that shows as a
 /// pixel from nearer than a metre), no finer than single precision.
 float leaf_step_m(const Survey& survey, uint32_t node_triangles) {
-  constexpr double kStepsAcross = 65536;  // of a leaf of average size
+  constexpr double kStepsAcross = 16384;  // of a leaf of average size
   constexpr double kCoarsestM = 1.0 / 512;
   const double leaves = std::max(1.0, double(survey.triangles) / node_triangles);
   const double leaf_m = survey.world_box.diagonal() / std::sqrt(leaves);
@@ -255,9 +255,9 @@ class Build {
     if (!reader.ok()) return reader.error();
     const Result<ViewSpace> space = survey_view_space(*reader, options_.visibility, monitor_);
     if (!space.ok()) return space.error();
-    const std::vector<std::string>& names = resolved_hiders(options_.visibility.hiders, space->style);
     const Result<std::vector<std::unique_ptr<Hider>>> hiders =
-        make_hiders(names, *reader, {options_.memory_bytes / kHidersPart}, monitor_);
+        make_hiders_for(options_.visibility.hiders, *reader, *space, options_.visibility,
+                        {options_.memory_bytes / kHidersPart}, monitor_);
     if (!hiders.ok()) return hiders.error();
     clock_.end("hiders");
     for (const std::unique_ptr<Hider>& hider : *hiders)
@@ -267,7 +267,7 @@ class Build {
         compute_visibility(*reader, *space, *hiders, options_.visibility, hash_of(options_, hash_), folder_, monitor_);
     if (!made.ok()) return made.error();
     figures_.visibility = made->figures;
-    figures_.hiders = names;
+    for (const std::unique_ptr<Hider>& hider : *hiders) figures_.hiders.emplace_back(hider->name());
     figures_.units_total += made->figures.units.total;
     figures_.units_resumed += made->figures.units.resumed;
     const auto nodes = static_cast<uint32_t>(reader->model().tables.nodes.size());

@@ -364,6 +364,9 @@ float Collapser::measure(uint32_t place, uint32_t target, float limit_m, std::ve
   if (candidates_.empty()) return kInfinity;
   const float limit2 = limit_m * limit_m;
   float farthest2 = 0;
+  // Three in four are too dear, and nearly always the place itself shows it.
+  nearest_candidate(points_[place], farthest2);
+  if (farthest2 > limit2) return std::sqrt(farthest2);
   for (const uint32_t c : fan_)
     for (uint32_t p = first_point_[triangle_of(c)]; p != kNone; p = next_point_[p]) {
       float distance2 = 0;

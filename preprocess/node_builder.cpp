@@ -206,7 +206,9 @@ Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, cons
   const double error_m = surface.error_m + surface.texture_error_m;
   double step_m = error_m > 0 ? power_of_two_below(error_m * kStepShare) : 0;
   if (sheet_height_m > 0) step_m = std::min(step_m, double(sheet_height_m));
-  PROMENADE_TRY(store(surface.mesh, std::max(step_m, double(options_.leaf_step_m)), children, node));
+  Mesh shown = surface.mesh;  // its parent begins with the exact colours
+  round_colors(shown);
+  PROMENADE_TRY(store(shown, std::max(step_m, double(options_.leaf_step_m)), children, node));
   return node;
 }
 
@@ -268,15 +270,18 @@ Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
 }
 
 Status NodeBuilder::encode(const Mesh& mesh, double step_m, StoredNode& stored, float& error_m) const {
-  if (options_.codec != GeometryCodec::raw)
-    for (int i = 0; i < kMostHalvings && loses_surface_on_grid(mesh, static_cast<float>(step_m)); ++i) step_m /= 2;
+  bool loses = options_.codec != GeometryCodec::raw && loses_surface_on_grid(mesh, static_cast<float>(step_m));
+  for (int i = 0; i < kMostHalvings && loses; ++i) {
+    step_m /= 2;
+    loses = loses_surface_on_grid(mesh, static_cast<float>(step_m));
+  }
   std::string why;
   for (int i = 0; i < kMostSteps; ++i, step_m *= 2) {
     stored.step_m = static_cast<float>(step_m);
     Result<EncodedMesh> encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
     // Smaller or thinner than any grid, and yet a node needs a box and its bound holds.
-    if (encoded.ok() && options_.codec != GeometryCodec::raw &&
-        (encoded->triangles == 0 || loses_surface_on_grid(mesh, stored.step_m))) {
+    if (i > 0 && options_.codec != GeometryCodec::raw) loses = loses_surface_on_grid(mesh, stored.step_m);
+    if (encoded.ok() && options_.codec != GeometryCodec::raw && (encoded->triangles == 0 || loses)) {
       stored.step_m = 0;
       encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
     }

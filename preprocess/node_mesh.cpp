@@ -173,6 +173,15 @@ bool loses_surface_on_grid(const Mesh& mesh, float step_m) {
   });
 }
 
+void round_colors(Mesh& mesh) {
+  constexpr int kValues = 64;
+  for (glm::u8vec4& color : mesh.colors)
+    for (int i = 0; i < 3; ++i) {
+      const int value = (int(color[i]) * (kValues - 1) + 127) / 255;
+      color[i] = static_cast<uint8_t>((value * 255 + (kValues - 1) / 2) / (kValues - 1));
+    }
+}
+
 std::vector<uint32_t> materials_of(const Mesh& mesh) {
   if (mesh.materials.empty()) return {0};
   std::vector<uint32_t> used;

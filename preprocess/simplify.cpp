@@ -75,7 +75,8 @@ class Simplifier {
         target_(std::max(options.target_triangles, 1U)),
         collapser_(work, source, cell_faces_, point_spacing_m(work, target_)),
         queue_(static_cast<uint32_t>(work.place_count() + parts_.count() + patches_.size())),
-        alive_in_part_(parts_.count()) {
+        alive_in_part_(parts_.count()),
+        paint_m_(parts_.count(), 0.0F) {
     for (uint32_t part = 0; part < parts_.count(); ++part)
       if (work.alive[parts_.triangles(part).front()] != 0)
         alive_in_part_[part] = static_cast<uint32_t>(parts_.triangles(part).size());
@@ -213,8 +214,9 @@ class Simplifier {
     const float limit = patience(queued);
     gather_points(part, limit);
     const float cost = parts_.removal_cost(part, points_, limit, corners_);
-    if (cost > limit) return queue_.set(places() + part, cost);
-    const float paint = paint_cost(part);
+    if (cost > limit) return queue_.set(places() + part, std::max(cost, paint_m_[part]));
+    float& paint = paint_m_[part];  // asked once: its surroundings change little before it goes
+    if (paint == 0) paint = paint_cost(part);
     if (paint > limit) return queue_.set(places() + part, paint);
     const float now = distance_now(cost);
     if (now > limit) return queue_.set(places() + part, now);
@@ -308,6 +310,7 @@ class Simplifier {
   Collapser collapser_;
   CostQueue queue_;
   std::vector<uint32_t> alive_in_part_;
+  std::vector<float> paint_m_;  // of each part: paint_cost, once it has been asked and is not 0
   std::vector<uint32_t> ring_;
   std::vector<glm::vec3> points_;
   float reached_m_ = 0;  // the largest cost that was paid

@@ -20,7 +20,9 @@ namespace {
 constexpr size_t kMaxCorners = 16;  // of a piece; from kCrowded on only halving is allowed, which takes corners away
 constexpr size_t kCrowded = 10;
 constexpr uint32_t kMaxDepth = 40;         // halvings of one triangle below each other
-constexpr size_t kPiecesPerTriangle = 32;  // bounds the time on hostile input
+constexpr size_t kPiecesPerTriangle = 64;  // of both meshes; bounds the time on hostile input
+constexpr uint32_t kCutsAtOnce = 64;       // of one triangle: neighbours in turn ask for what is in the cache
+constexpr size_t kMostOpen = 1U << 17U;    // pieces waiting at a time: bounds the memory, about 30 MB
 constexpr uint32_t kSamples = 512;         // of each direction: five of them above the 99th percentile
 constexpr float kWellInside = 1e-4F;       // barycentric: cuts nearer to a border would gain nothing, for ever
 constexpr float kFloorShare = 1e-5F;       // of the diagonal: differences below it are not pursued
@@ -33,8 +35,59 @@ struct Piece {
   std::array<glm::vec3, kMaxCorners> corners;
   uint32_t count;
   uint32_t depth;
-  uint32_t hint;  // a triangle of B nearby
-  float bound;    // on the distance anywhere on it, known from what it was cut from
+  std::array<uint32_t, 3> near;  // triangles of B nearby, the last found first
+  float bound;                   // on the distance anywhere on it, known from what it was cut from
+};
+
+/// What waits for its cuts: the largest bound first, ties by age, the same order everywhere.
+class OpenPieces {
+ public:
+  /// side: 0 or 1, whose piece it is. False where there are too many.
+  bool add(uint32_t side, const Piece& piece) {
+    if (entries_.size() == kMostOpen) return false;
+    uint32_t at = static_cast<uint32_t>(pieces_.size());
+    if (free_.empty()) {
+      pieces_.push_back(piece);
+    } else {
+      at = free_.back();
+      free_.pop_back();
+      pieces_[at] = piece;
+    }
+    entries_.push_back({piece.bound, sequence_++, side, at});
+    std::push_heap(entries_.begin(), entries_.end());
+    return true;
+  }
+
+  bool empty() const { return entries_.empty(); }
+  /// Whether one more cut may leave more than there is room for.
+  bool full() const { return entries_.size() + kMostLeft > kMostOpen; }
+  float largest_bound() const { return entries_.front().bound; }
+
+  /// The first, and its side.
+  std::pair<Piece, uint32_t> take() {
+    std::pop_heap(entries_.begin(), entries_.end());
+    const Entry entry = entries_.back();
+    entries_.pop_back();
+    free_.push_back(entry.at);
+    return {pieces_[entry.at], entry.side};
+  }
+
+ private:
+  static constexpr size_t kMostLeft = 4;  // by cuts along three borders
+
+  struct Entry {
+    float bound;
+    uint32_t sequence;
+    uint32_t side;
+    uint32_t at;
+    bool operator<(const Entry& other) const {
+      return bound != other.bound ? bound < other.bound : sequence > other.sequence;
+    }
+  };
+  std::vector<Entry> entries_;
+  std::vector<Piece> pieces_;
+  std::vector<uint32_t> free_;
+  uint32_t sequence_ = 0;
 };
 
 /// What both directions share.
@@ -43,8 +96,9 @@ struct Measure {
   float accepted = 0;  // the largest bound of anything settled so far
   float slack = 0;
   float floor = 0;
+  OpenPieces open;
   /// Whatever is bounded by this need not be looked at more closely.
-  float good_enough() const { return std::max(floor, reached * (1 + slack)); }
+  float good_enough() const { return std::max({floor, accepted, reached * (1 + slack)}); }
   /// A triangle this near to a corner will do, nearest or not: nothing about the largest distance depends on it, and
   /// what it leaves to `good_enough` is enough to settle most triangles by.
   float near_enough() const { return kNearEnough * good_enough(); }
@@ -79,8 +133,9 @@ uint64_t scramble(uint64_t z) {
 /// Distances from one mesh to another.
 class Direction {
  public:
-  Direction(const Mesh& from, const Mesh& to, const ClosestPointTree& tree, Measure& measure)
-      : from_(from), to_(to), tree_(tree), measure_(measure) {
+  /// side: what the pieces that are cut from `from` are known by.
+  Direction(const Mesh& from, const Mesh& to, const ClosestPointTree& tree, uint32_t side, Measure& measure)
+      : from_(from), to_(to), tree_(tree), side_(side), measure_(measure) {
     const Box box = bounds(from);
     const glm::vec3 largest = glm::max(glm::abs(box.min), glm::abs(box.max));
     cut_rounding_ = kCoordinateRounding * 4 * std::max({largest.x, largest.y, largest.z});
@@ -130,10 +185,28 @@ class Direction {
     return *rank;
   }
 
-  /// Bounds the distance over every triangle. After measure_vertices of both directions.
+  /// Bounds the distance over every triangle but for what takes many cuts, which is left open. After measure_vertices
+  /// of both directions.
   void bound_triangles() {
-    pieces_left_ = (from_.triangle_count() + to_.triangle_count()) * kPiecesPerTriangle + 1000;
-    for (size_t t = 0; t < from_.triangle_count(); ++t) bound_triangle(t);
+    for (size_t t = 0; t < from_.triangle_count(); ++t) {
+      bound_triangle(t);
+      if (stack_.empty()) continue;
+      const Piece whole = stack_.back();
+      for (uint32_t cuts = 0; !stack_.empty() && cuts < kCutsAtOnce; ++cuts) {
+        const Piece top = stack_.back();
+        stack_.pop_back();
+        bound_piece(top);
+      }
+      if (stack_.empty()) continue;
+      stack_.assign(1, whole);
+      leave_open();
+    }
+  }
+
+  /// One cut of an open piece; what it leaves is open again.
+  void cut_open(const Piece& piece) {
+    bound_piece(piece);
+    leave_open();
   }
 
  private:
@@ -141,6 +214,32 @@ class Direction {
     float distance = 0;
     uint32_t triangle = kNoTriangle;
   };
+
+  void leave_open() {
+    for (const Piece& piece : stack_)
+      if (!measure_.open.add(side_, piece)) settle(piece.bound);
+    stack_.clear();
+  }
+
+  /// Settles a piece or cuts it up.
+  void bound_piece(Piece piece) {
+    if (piece.bound <= measure_.good_enough() || piece.depth >= kMaxDepth) return settle(piece.bound);
+    glm::vec3 center(0);
+    for (uint32_t i = 0; i < piece.count; ++i) center += piece.corners[i];
+    center /= float(piece.count);
+    float radius2 = 0;
+    for (uint32_t i = 0; i < piece.count; ++i)
+      radius2 = std::max(radius2, glm::dot(piece.corners[i] - center, piece.corners[i] - center));
+    const float radius = std::sqrt(radius2);
+    const Found found = query(center, piece.near[0], std::max(measure_.good_enough() - radius - cut_rounding_, 0.0F));
+    piece.bound = std::min(piece.bound, found.distance + radius + cut_rounding_);
+    if (piece.bound > measure_.good_enough())
+      piece.bound = std::min(piece.bound, farthest_from(found.triangle, piece, piece.bound));
+    if (piece.bound <= measure_.good_enough()) return settle(piece.bound);
+    piece.near[0] = found.triangle;
+    if (piece.count < kCrowded && cut_along(piece, center, measure_.good_enough() - found.distance)) return;
+    halve(piece);
+  }
 
   std::array<glm::vec3, 3> corners(size_t t) const {
     return {from_.positions[from_.indices[3 * t]], from_.positions[from_.indices[3 * t + 1]],
@@ -182,50 +281,43 @@ class Direction {
     }
     Piece piece;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::copy(c.begin(), c.end(), piece.corners.begin());
-    piece.count = 3, piece.depth = 0, piece.hint = near[0].triangle, piece.bound = bound;
+    piece.count = 3, piece.depth = 0, piece.bound = bound;
+    for (size_t i = 0; i < 3; ++i) piece.near[i] = near[i].triangle;
     stack_.push_back(piece);
-    while (!stack_.empty()) {
-      const Piece top = stack_.back();
-      stack_.pop_back();
-      bound_piece(top);
-    }
   }
 
-  void bound_piece(Piece piece) {
-    if (piece.bound <= measure_.good_enough() || piece.depth >= kMaxDepth || pieces_left_ == 0)
-      return settle(piece.bound);
-    --pieces_left_;
-    glm::vec3 center(0);
-    for (uint32_t i = 0; i < piece.count; ++i) center += piece.corners[i];
-    center /= float(piece.count);
-    const Found found = query(center, piece.hint);
-    float radius2 = 0;
-    float to_triangle2 = 0;
-    for (uint32_t i = 0; i < piece.count; ++i) {
-      radius2 = std::max(radius2, glm::dot(piece.corners[i] - center, piece.corners[i] - center));
-      to_triangle2 = std::max(to_triangle2, tree_.distance2_to(found.triangle, piece.corners[i]));
-    }
-    const float radius = std::sqrt(radius2);
-    const float bound = std::min(found.distance + radius, std::sqrt(to_triangle2)) + cut_rounding_;
-    piece.bound = std::min(piece.bound, bound);
-    piece.hint = found.triangle;
-    if (piece.bound <= measure_.good_enough()) return settle(piece.bound);
-    if (piece.count < kCrowded && cut_along(piece, center, measure_.good_enough() - found.distance)) return;
-    halve(piece);
+  /// The largest distance of a piece from one triangle of B; more than `limit_m` where it is over that.
+  float farthest_from(uint32_t triangle, const Piece& piece, float limit_m) const {
+    const float limit2 = limit_m * limit_m;
+    float d2 = 0;
+    for (uint32_t i = 0; i < piece.count && d2 <= limit2; ++i)
+      d2 = std::max(d2, tree_.distance2_to(triangle, piece.corners[i]));
+    return std::sqrt(d2) + cut_rounding_;
   }
 
   void push(Piece& part, const Piece& whole) {
     if (part.count < 3) return;
-    part.depth = whole.depth, part.hint = whole.hint, part.bound = whole.bound;
-    stack_.push_back(part);
+    part.depth = whole.depth, part.near = whole.near, part.bound = whole.bound;
+    // Beyond the triangle that it was cut along it may lie on one of those that the corners are near.
+    for (size_t i = 1; i < part.near.size() && part.bound > measure_.good_enough(); ++i)
+      if (const float bound = farthest_from(part.near[i], part, measure_.good_enough());
+          bound <= measure_.good_enough())
+        part.bound = bound;
+    add(part);
+  }
+
+  void add(const Piece& piece) {
+    if (piece.bound <= measure_.good_enough()) return settle(piece.bound);
+    stack_.push_back(piece);
   }
 
   /// Cuts along the borders of the triangle of B that the piece's centre lies over. False, and nothing done, where that
   /// is no use: the triangle is no larger than what halving would reach (`reach`), or has the whole piece over it.
   bool cut_along(const Piece& piece, const glm::vec3& center, float reach) {
-    const ClosestPoint below = tree_.closest_on(piece.hint, center);
+    const uint32_t triangle = piece.near[0];
+    const ClosestPoint below = tree_.closest_on(triangle, center);
     if (std::min({below.barycentric.x, below.barycentric.y, below.barycentric.z}) <= kWellInside) return false;
-    const size_t t = size_t(piece.hint) * 3;
+    const size_t t = size_t(triangle) * 3;
     const std::array<glm::vec3, 3> b = {to_.positions[to_.indices[t]], to_.positions[to_.indices[t + 1]],
                                         to_.positions[to_.indices[t + 2]]};
     const glm::vec3 normal = glm::cross(b[1] - b[0], b[2] - b[0]);
@@ -252,11 +344,9 @@ class Direction {
       inside = remaining;
     }
     if (!any) return false;
-    float d2 = 0;
-    for (uint32_t i = 0; i < inside.count; ++i) d2 = std::max(d2, tree_.distance2_to(piece.hint, inside.corners[i]));
-    inside.hint = piece.hint, inside.depth = piece.depth;
-    inside.bound = std::min(piece.bound, std::sqrt(d2) + cut_rounding_);
-    stack_.push_back(inside);
+    inside.near = piece.near, inside.depth = piece.depth;
+    inside.bound = std::min(piece.bound, farthest_from(triangle, inside, piece.bound));
+    add(inside);
     return true;
   }
 
@@ -282,13 +372,23 @@ class Direction {
   const Mesh& from_;
   const Mesh& to_;
   const ClosestPointTree& tree_;
+  uint32_t side_;
   Measure& measure_;
   float cut_rounding_ = 0;
   std::vector<uint32_t> place_of_vertex_;
   std::vector<Found> nearest_;  // of each place
   std::vector<Piece> stack_;
-  size_t pieces_left_ = 0;
 };
+
+/// Cuts what is open, the worst first, until nothing is left that matters, or it has become too much.
+void cut_open(std::array<Direction, 2>& sides, size_t cuts, Measure& measure) {
+  OpenPieces& open = measure.open;
+  for (; cuts > 0 && !open.empty() && !open.full() && open.largest_bound() > measure.good_enough(); --cuts) {
+    const auto [piece, side] = open.take();
+    sides[side].cut_open(piece);
+  }
+  if (!open.empty()) measure.accepted = std::max(measure.accepted, open.largest_bound());
+}
 
 }  // namespace
 
@@ -299,15 +399,13 @@ SurfaceDistance surface_distance(const Mesh& a, const ClosestPointTree& tree_a, 
   Measure measure;
   measure.slack = static_cast<float>(slack);
   measure.floor = std::max(static_cast<float>(tolerance_m), box.diagonal() * kFloorShare);
-  Direction from_a(a, b, tree_b, measure);
-  Direction from_b(b, a, tree_a, measure);
+  std::array<Direction, 2> sides = {Direction(a, b, tree_b, 0, measure), Direction(b, a, tree_a, 1, measure)};
   SurfaceDistance result;
   // Samples first: how far the surfaces are apart at most decides how closely the rest is looked at.
-  result.p99_m = std::max(from_a.measure_samples(), from_b.measure_samples());
-  from_a.measure_vertices();
-  from_b.measure_vertices();
-  from_a.bound_triangles();
-  from_b.bound_triangles();
+  for (Direction& side : sides) result.p99_m = std::max(result.p99_m, side.measure_samples());
+  for (Direction& side : sides) side.measure_vertices();
+  for (Direction& side : sides) side.bound_triangles();
+  cut_open(sides, (a.triangle_count() + b.triangle_count()) * kPiecesPerTriangle + 1000, measure);
   const float bound = std::max(measure.accepted, measure.reached);
   result.bound_m = bound + 2 * kQueryRounding * (bound + box.diagonal());
   return result;

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <thread>
 
@@ -237,14 +238,23 @@ unsigned thread_count(unsigned wanted) {
   return wanted != 0 ? wanted : std::max(1U, std::thread::hardware_concurrency());
 }
 
+namespace {
+
+/// Kept: of each arena that is made, oneTBB 2021.8 keeps 7 KiB for good, and a frame would make four.
+tbb::task_arena& arena_of(unsigned threads) {
+  thread_local std::map<unsigned, tbb::task_arena> arenas;
+  return arenas.try_emplace(threads, static_cast<int>(threads)).first->second;
+}
+
+}  // namespace
+
 void run_parallel(unsigned threads, size_t count, const std::function<void(size_t)>& body) {
   const unsigned n = std::min(thread_count(threads), std::max(1U, std::thread::hardware_concurrency()));
   if (n == 1 || count <= 1) {
     for (size_t i = 0; i < count; ++i) body(i);
     return;
   }
-  tbb::task_arena arena(static_cast<int>(n));
-  arena.execute([&] { tbb::parallel_for(size_t(0), count, body, tbb::simple_partitioner()); });
+  arena_of(n).execute([&] { tbb::parallel_for(size_t(0), count, body, tbb::simple_partitioner()); });
 }
 
 Simd supported_simd(Simd wanted) {

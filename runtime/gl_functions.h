@@ -44,6 +44,7 @@ namespace promenade {
   X(enable_vertex_attrib_array, PFNGLENABLEVERTEXATTRIBARRAYPROC, "glEnableVertexAttribArray") \
   X(finish, PFNGLFINISHPROC, "glFinish")                                                       \
   X(framebuffer_renderbuffer, PFNGLFRAMEBUFFERRENDERBUFFERPROC, "glFramebufferRenderbuffer")   \
+  X(framebuffer_texture_2d, PFNGLFRAMEBUFFERTEXTURE2DPROC, "glFramebufferTexture2D")           \
   X(front_face, PFNGLFRONTFACEPROC, "glFrontFace")                                             \
   X(gen_buffers, PFNGLGENBUFFERSPROC, "glGenBuffers")                                          \
   X(gen_framebuffers, PFNGLGENFRAMEBUFFERSPROC, "glGenFramebuffers")                           \

@@ -21,12 +21,13 @@ class Panels {
   void begin();
   /// Draws what was said since begin() into the window.
   void end();
-  /// Fills the window with a picture, behind all panels. Between begin() and end(); the picture may go afterwards.
+  /// Fills the window with a picture, behind all panels; what was drawn into it before is gone. Between begin() and
+  /// end(); the picture may go afterwards.
   void show(const Image& picture);
 
  private:
   const GlFunctions& gl_;
-  GLuint texture_ = 0;
+  GLuint texture_ = 0, framebuffer_ = 0;
   uint32_t width_px_ = 0, height_px_ = 0;  ///< of the texture
 };
 

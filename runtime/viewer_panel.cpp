@@ -65,8 +65,9 @@ void FramePlots::draw(const Session& session, double target_ms, uint64_t memory_
        fmt::format("{:.1f} of {:.0f} MiB", double(last_.resident_bytes) / 1048576, bound_mib), bound_mib, 40);
   plot("##read", read_kib_, fmt::format("{:.0f} KiB read", double(last_.bytes_read) / 1024),
        std::max(64.0, double(*std::max_element(read_kib_.begin(), read_kib_.end()))), 40);
-  ImGui::Text("select %.2f  upload %.2f  draw %.2f ms  response %.1f ms", last_.select_ms, last_.upload_ms,
-              last_.draw_ms, response_ms_);
+  ImGui::Text("select %.2f  upload %.2f  draw %.2f ms", last_.select_ms, last_.upload_ms, last_.draw_ms);
+  ImGui::Text("response %.1f ms, of it shown in %.1f%s", response_ms_, response_ms_ - last_.response_ms,
+              session.frames_ahead() > 0 ? fmt::format(", {} ahead", session.frames_ahead()).c_str() : "");
   ImGui::Text("%llu triangles in %llu nodes, %llu missing", static_cast<unsigned long long>(last_.triangles_drawn),
               static_cast<unsigned long long>(last_.nodes_drawn), static_cast<unsigned long long>(last_.nodes_missing));
   std::string levels = "levels";
@@ -77,6 +78,18 @@ void FramePlots::draw(const Session& session, double target_ms, uint64_t memory_
               static_cast<unsigned long long>(counts.reads), static_cast<unsigned long long>(counts.nodes_loaded),
               static_cast<unsigned long long>(counts.nodes_evicted));
 }
+
+namespace {
+
+void draw_far_style_setting(Session& session) {
+  FarStyle& style = session.far_style();
+  if (!ImGui::BeginCombo("near and far", std::string(name_of(style)).c_str())) return;
+  for (const FarStyle each : {FarStyle::full, FarStyle::near_only, FarStyle::far_only})
+    if (ImGui::Selectable(std::string(name_of(each)).c_str(), each == style)) style = each;
+  ImGui::EndCombo();
+}
+
+}  // namespace
 
 /// Everything that a policy can be told.
 void draw_settings(Session& session) {
@@ -121,6 +134,7 @@ void draw_settings(Session& session) {
     ImGui::Checkbox("refine when all children are there", &select.time.all_children_resident);
     ImGui::Checkbox("share follows time", &select.time.share_feedback);
   }
+  if (uses_far(select.policy)) draw_far_style_setting(session);
   int fade_frames = static_cast<int>(session.fade_frames());
   if (ImGui::SliderInt("fade frames", &fade_frames, 0, 60)) session.fade_frames() = static_cast<uint32_t>(fade_frames);
   ImGui::Checkbox("textures", &session.frame_view().textures);

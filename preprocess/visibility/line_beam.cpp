@@ -30,7 +30,7 @@ LinePolygon::LinePolygon(double t0, double t1, double x0, double x1) {
 
 /// Keeps the lines that pass at or below (side 1), or at or above (side -1), the point (t, x).
 void LinePolygon::keep(double t, double x, double side) {
-  std::array<glm::dvec2, kMostCorners + 2> kept;
+  std::array<glm::dvec2, 2 * kMostCorners> kept;  // rounding leaves polygons that a line may cut more than twice
   uint32_t count = 0;
   const auto over = [&](const glm::dvec2& line) { return side * (line.x * t + line.y - x) - kHairM; };
   bool cut = false;

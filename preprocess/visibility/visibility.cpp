@@ -9,7 +9,6 @@
 #include "codec/frame.h"
 #include "layout/cell_faces.h"
 #include "preprocess/unit_io.h"
-#include "preprocess/visibility/hider_chain.h"
 #include "preprocess/visibility/view_cells.h"
 #include "preprocess/visibility/wall_planes.h"
 
@@ -285,16 +284,6 @@ Result<ViewSpace> survey_view_space(const ModelReader& reader, const CellOptions
   if (!volume.ok()) return volume.error();
   const CellStyle style = style_of(options, *volume);
   return ViewSpace{std::move(*volume), style};
-}
-
-Result<std::vector<std::string>> chain_for_model(const std::vector<std::string>& names, const ModelReader& reader,
-                                                 JobMonitor& monitor) {
-  if (resolved_hiders(names, CellStyle::octree) == names) return names;
-  CellOptions options;
-  options.cells = CellStyle::automatic;
-  const Result<ViewSpace> space = survey_view_space(reader, options, monitor);
-  if (!space) return space.error();
-  return resolved_hiders(names, space->style);
 }
 
 Result<Visibility> compute_visibility(const ModelReader& reader, const ViewSpace& space, HiderChain hiders,

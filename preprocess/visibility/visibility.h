@@ -36,10 +36,6 @@ struct ViewSpace {
 /// Errors: reading the model, cancellation.
 Result<ViewSpace> survey_view_space(const ModelReader& reader, const CellOptions& options, JobMonitor& monitor);
 
-/// The names, or for kAutoHiders the chain for the style that the model would be divided in.
-Result<std::vector<std::string>> chain_for_model(const std::vector<std::string>& names, const ModelReader& reader,
-                                                 JobMonitor& monitor);
-
 /// Divides viewing space, evenly or along walls, and computes what is seen from each part. Cells that see more than
 /// cell_triangles are divided, those first where it takes most away, while it helps: while cell_gain times less is seen
 /// from the smallest part. hash: of the model's bytes and all that hiders depend on. Same result at any thread count

@@ -272,6 +272,26 @@ TEST_F(SmallCity, verify_holds_pictures_against_the_source) {
                         "triangles");
 }
 
+TEST_F(SmallCity, verify_goes_on_where_it_stopped) {
+  const std::string words = "verify city.prom --cells 6 --views 2 --view-size 64 --aimed-views 2 --json ";
+  const auto figures_of = [&](const std::string& file, const std::string& more) {
+    const ProgramRun run = run_program(words + file + more, folder());
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json_in(folder() / file);
+  };
+  const json whole = figures_of("whole.json", ""), stopped = figures_of("stopped.json", " --seconds 0 --skip-cells 6");
+  EXPECT_EQ(whole["cells_left"], 0);
+  EXPECT_EQ(stopped["rays_or_pixels_checked"], 0);
+  const json end = figures_of("end.json", " --skip-cells 2");
+  EXPECT_LT(end["rays_or_pixels_checked"], whole["rays_or_pixels_checked"]);
+  // However soon it stops, what it says that is left is the rest.
+  const json begin = figures_of("begin.json", " --seconds 0");
+  const uint64_t left = begin["cells_left"];
+  const json rest = figures_of("rest.json", " --skip-cells " + std::to_string(6 - left));
+  for (const char* sum : {"rays_or_pixels_checked", "rays_aimed_at_hidden_nodes", "cells_checked", "cells_solid"})
+    EXPECT_EQ(begin[sum].get<uint64_t>() + rest[sum].get<uint64_t>(), whole[sum].get<uint64_t>()) << sum;
+}
+
 TEST_F(SmallCity, a_corrupt_model_is_named_and_not_drawn) {
   fs::copy(folder() / "city.prom", folder() / "corrupt.prom", fs::copy_options::recursive);
   fs::resize_file(folder() / "corrupt.prom" / "tables.bin", 100);

@@ -89,6 +89,21 @@ TEST(GeometryCodec, returns_every_triangle_with_its_attributes_and_material) {
       }
 }
 
+TEST(GeometryCodec, keeps_every_colour_of_few_and_of_many) {
+  for (const uint32_t side : {4U, 24U}) {  // one byte a colour, and two
+    Mesh mesh = hills(side);
+    std::mt19937 random(7);
+    mesh.colors.resize(mesh.vertex_count());
+    for (glm::u8vec4& c : mesh.colors) {
+      const auto bits = static_cast<uint32_t>(random());
+      c = {bits & 0xffU, (bits >> 8U) & 0xffU, (bits >> 16U) & 0xffU, bits >> 24U};
+    }
+    const Result<Mesh> back = decode_mesh(encoded(mesh, GeometryCodec::meshopt, 1.0F / 512).bytes);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(triangles_of(*back), triangles_of(rounded(mesh, 1.0F / 512)));
+  }
+}
+
 TEST(GeometryCodec, keeps_raw_arrays_exactly_as_they_are) {
   const Mesh mesh = textured_cube();
   const Result<Mesh> back = decode_mesh(encoded(mesh, GeometryCodec::raw).bytes);
@@ -213,9 +228,9 @@ TEST(OctahedralNormals, keep_axes_and_zero_exactly) {
 
 // ---- bytes
 
-TEST(DecodeMesh, reads_the_golden_bytes_of_version_2) {
+TEST(DecodeMesh, reads_the_golden_bytes_of_version_3) {
   for (const GeometryCodec codec : kCodecs) {
-    const std::string name = "mesh_v2_" + std::string(name_of(codec)) + ".bin";
+    const std::string name = "mesh_v3_" + std::string(name_of(codec)) + ".bin";
     expect_golden(name, encoded(textured_cube(), codec, 0.0009765625F).bytes);
     const Result<Mesh> back = decode_mesh(golden_bytes(name));
     ASSERT_TRUE(back) << name << ": " << back.error().message;
@@ -322,7 +337,7 @@ TEST(DecodeMesh, rejects_another_magic_version_codec_or_flag) {
     return mesh ? std::string("decoded") : mesh.error().message;
   };
   EXPECT_THAT(message_with(0, 'X'), HasSubstr("not 48534d50"));
-  EXPECT_THAT(message_with(4, 1), HasSubstr("version 1, this program reads 2"));
+  EXPECT_THAT(message_with(4, 2), HasSubstr("version 2, this program reads 3"));
   EXPECT_THAT(message_with(5, 3), HasSubstr("unknown codec 3"));
   EXPECT_THAT(message_with(6, 32), HasSubstr("unknown flags"));
   EXPECT_THAT(message_with(23, 1), HasSubstr("reserved bytes"));

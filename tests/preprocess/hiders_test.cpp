@@ -1,8 +1,10 @@
 // Who sees whom: small worlds with known answers, and what no hider may ever do.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <tbb/task_arena.h>
 
+#include "preprocess/visibility/hider_trial.h"
 #include "preprocess/visibility/hiders/horizon.h"
 #include "preprocess/visibility/node_parts.h"
 #include "preprocess/visibility/occluders.h"
@@ -40,6 +42,16 @@ std::vector<Situation> situations() {
                  middle_cell,
                  {"thing"},
                  {"ground", "house"}});
+  all.push_back({"cell_that_reaches_into_a_house",
+                 {ground, {"house", wall(4, -30, 6, 30)}, {"thing", thing_at(20, 0)}, {"before", thing_at(-20, 0)}},
+                 {{-2, -2, 0.5F}, {5.5F, 2, 2.5F}},
+                 {"thing"},
+                 {"ground", "house", "before"}});
+  all.push_back({"cell_with_a_house_across_it",
+                 {ground, {"house", wall(4, -30, 6, 30)}, {"thing", thing_at(20, 0)}, {"before", thing_at(-20, 0)}},
+                 {{-2, -2, 0.5F}, {8, 2, 2.5F}},
+                 {},
+                 {"ground", "house", "thing", "before"}});
   all.push_back(
       {"tower_behind_wall",
        {ground, {"wall", wall(10, -15, 14, 15, 6)}, {"tower", wall(28, -3, 34, 3, 40)}, {"hut", wall(28, 6, 30, 8, 3)}},
@@ -322,6 +334,32 @@ TEST(Hiders, what_is_hidden_already_stays_hidden) {
   std::vector<uint8_t> hidden = {0, 1};
   ASSERT_TRUE(make_horizon_hider(model.reader().model(), *parts, *occluders)->hide({middle_cell, front}, hidden).ok());
   EXPECT_THAT(hidden, testing::ElementsAre(0, 1));
+}
+
+TEST(Hiders, auto_leaves_out_what_finds_next_to_nothing) {
+  const auto names_for = [](const SituationModel& model, const std::vector<std::string>& names) {
+    JobMonitor monitor;
+    CellOptions options;
+    options.cells = CellStyle::octree;
+    const Result<ViewSpace> space = survey_view_space(model.reader(), options, monitor);
+    EXPECT_TRUE(space.ok());
+    const auto hiders = make_hiders_for(names, model.reader(), *space, options, {}, monitor);
+    EXPECT_TRUE(hiders.ok());
+    std::vector<std::string> made;
+    for (const auto& hider : *hiders) made.emplace_back(hider->name());
+    return made;
+  };
+  const SituationModel field({{"ground", flat_ground()}, {"thing", thing_at(20, 0)}, {"other", thing_at(-20, 9)}});
+  EXPECT_THAT(names_for(field, {"auto"}), testing::ElementsAre("backface"));
+  EXPECT_THAT(names_for(field, {"backface", "horizon"}), testing::ElementsAre("backface", "horizon"))
+      << "what is asked for by name is done";
+  Objects street = {{"ground", flat_ground()}};
+  for (int x = -3; x < 4; ++x)
+    for (int y = -3; y < 4; ++y) {
+      const auto low = glm::vec2(x, y) * 14.0F;
+      street.emplace_back(fmt::format("house {} {}", x, y), wall(low.x, low.y, low.x + 10, low.y + 10, 12));
+    }
+  EXPECT_THAT(names_for(SituationModel(street), {"auto"}), testing::ElementsAre("backface", "horizon"));
 }
 
 TEST(Hiders, chains_are_parsed_and_unknown_names_refused) {

@@ -103,6 +103,24 @@ TEST(SurfaceDistance, a_tighter_slack_gives_a_tighter_bound) {
   EXPECT_LE(tight, sampled * 1.05F);
 }
 
+/// A square, and specks of a millimetre a metre above it: nearly everything is as far as anything, and nothing but ever
+/// smaller pieces bounds it.
+TEST(SurfaceDistance, spends_what_cuts_it_has_where_the_bound_is_largest) {
+  Mesh dust;
+  for (uint32_t i = 0; i < 1600; ++i) {
+    const glm::vec3 at(float(i % 40) * 0.1F + 0.05F, float(i / 40) * 0.1F + 0.05F, 1);
+    for (const glm::vec3 corner : {glm::vec3(0), glm::vec3(0.001F, 0, 0), glm::vec3(0, 0.001F, 0)}) {
+      dust.indices.push_back(static_cast<uint32_t>(dust.positions.size()));
+      dust.positions.push_back(at + corner);
+    }
+  }
+  const Mesh square = flat_grid(1, 4);
+  const float sampled = sampled_distance(square, dust, 50000, 3);
+  const float bound = surface_distance(square, dust, 0.0001).bound_m;
+  EXPECT_GE(bound, sampled);
+  EXPECT_LE(bound, sampled * 1.05F);
+}
+
 TEST(SurfaceDistance, stops_at_the_tolerance) {
   const SurfaceDistance measured = surface_distance(hills(30), hills(29), 0.0, 3.0);
   EXPECT_GE(measured.bound_m, sampled_distance(hills(30), hills(29), 20000, 1));

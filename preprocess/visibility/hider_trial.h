@@ -1,0 +1,31 @@
+#pragma once
+// Which hiders of a chain a model repays.
+
+#include <memory>
+#include <vector>
+
+#include "preprocess/visibility/hider_chain.h"
+#include "preprocess/visibility/visibility.h"
+
+namespace promenade {
+
+/// Asks the chain in a few random places where somebody may stand and drops each hider, but for the first and cheapest,
+/// that hides less than one in a hundred of the triangles there: in most worlds most hiders find much or next to
+/// nothing. Judges by what is hidden, not by time, so that the same model always gets the same chain. Runs on the
+/// threads of the arena. Errors: a hider's; "interrupted".
+Status drop_idle_hiders(const Model& model, const ViewSpace& space, const CellOptions& options,
+                        std::vector<std::unique_ptr<Hider>>& hiders, JobMonitor& monitor);
+
+/// The hiders that names stand for in a model: those, or for kAutoHiders those of the style's chain that it repays.
+/// Errors: unknown names; reading the model; "interrupted".
+Result<std::vector<std::unique_ptr<Hider>>> make_hiders_for(const std::vector<std::string>& names,
+                                                            const ModelReader& reader, const ViewSpace& space,
+                                                            const CellOptions& cells, const HiderBuildOptions& options,
+                                                            JobMonitor& monitor);
+
+/// The names, or for kAutoHiders those of the hiders that a build of the model would use. Errors: reading the model;
+/// "interrupted".
+Result<std::vector<std::string>> chain_for_model(const std::vector<std::string>& names, const ModelReader& reader,
+                                                 JobMonitor& monitor);
+
+}  // namespace promenade
