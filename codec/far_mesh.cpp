@@ -10,9 +10,6 @@ namespace {
 constexpr uint32_t kNone = 0xffffffffU;
 /// Pixels that filters reach over borders, of a picture seen at half its size.
 constexpr uint32_t kFilterReach = 2;
-/// Triangles in part without anything are halved down to legs of so many pixels: with a few thousand more triangles a
-/// side at most, all but the skyline itself is without holes.
-constexpr uint32_t kHoleLegPx = 16;
 
 /// How many pixels show something, in any rectangle.
 class Coverage {
@@ -79,39 +76,6 @@ Mesh far_mesh(const FarFace& face, const FarPlace& place) {
     mesh.materials.push_back(coverage.all(a, b, c, kFilterReach) ? 0 : 1);
   });
   return mesh;
-}
-
-void split_at_holes(FarFace& face) {
-  const HalvedGrid& grid = face.grid;
-  Coverage coverage(face);
-  const auto is_split = [&](const HalvingPoint& p) {
-    const uint32_t side = grid.side(), a = p.ends[0], b = p.ends[1];
-    const uint32_t dx = a % side > b % side ? a % side - b % side : b % side - a % side, dy = b / side - a / side;
-    if (std::max(dx, dy) <= kHoleLegPx) return false;
-    // At the picture's border always: the side beyond does the same, and no crack opens between them.
-    if (p.apexes[0] == p.apexes[1]) return true;
-    for (const uint32_t apex : p.apexes)
-      if (coverage.any(a, b, apex) && !coverage.all(a, b, apex, kFilterReach)) return true;
-    return false;
-  };
-  std::vector<uint8_t> kept = face.kept;
-  for_each_halving_point(grid, false, [&](const HalvingPoint& p) {
-    if (kept[p.at] == 0 && is_split(p)) kept[p.at] = 1;
-  });
-  close_halvings(grid, kept);
-  // The coarsest first: ends are known before their middles.
-  for_each_halving_point(grid, true, [&](const HalvingPoint& p) {
-    if (kept[p.at] == 0 || face.kept[p.at] != 0) return;
-    face.depth[p.at] = static_cast<uint16_t>((uint32_t(face.depth[p.ends[0]]) + face.depth[p.ends[1]] + 1) / 2);
-  });
-  face.kept = std::move(kept);
-}
-
-uint64_t split_triangles_bound(uint64_t triangles, const HalvedGrid& grid) {
-  if (grid.cells() <= kHoleLegPx) return triangles;
-  // Each vertex of the coarser grid halves two triangles at most.
-  const uint64_t side = grid.cells() / kHoleLegPx + 1;
-  return triangles + 2 * side * side;
 }
 
 uint32_t far_triangles(const FarFace& face) {

@@ -25,13 +25,6 @@ struct FarPlace {
 /// grid vertices and twice its squares. Any thread.
 Mesh far_mesh(const FarFace& face, const FarPlace& place);
 
-/// Halves triangles that show something in part until they are small, so that most of a picture is without holes:
-/// those are dear to draw. The surface stays the same, within the rounding of depths; sides that shared the vertices
-/// along their common edge still do.
-void split_at_holes(FarFace& face);
-/// How many triangles that makes of a face's at most.
-uint64_t split_triangles_bound(uint64_t triangles, const HalvedGrid& grid);
-
 /// How many triangles that are.
 uint32_t far_triangles(const FarFace& face);
 

@@ -104,7 +104,6 @@ Result<StagedFarSide> stage_far_side(const ModelSource& source, const Renderer& 
   const FarPlace place{cell_box(tables, cell).center(), tables.box_m, tables.faces[face].side, tables.has_depth};
   if (const uint32_t triangles = far_triangles(*decoded); triangles > tables.faces[face].triangles)
     return Error{fmt::format("far face {}: {} triangles, {} are due", face, triangles, tables.faces[face].triangles)};
-  split_at_holes(*decoded);
   Mesh mesh = far_mesh(*decoded, place);
   const Lighting lighting;
   mesh.normals.assign(mesh.vertex_count(), glm::normalize(lighting.to_sun));
@@ -121,8 +120,7 @@ Result<StagedFarSide> stage_far_side(const ModelSource& source, const Renderer& 
 FarSideBytes far_side_bytes(const ModelSource& source, const Renderer& renderer, uint32_t face) {
   const FarTables& tables = *source.far();
   const HalvedGrid grid{tables.face_levels};
-  const uint64_t triangles = split_triangles_bound(tables.faces[face].triangles, grid);
-  const uint64_t vertices = std::min(3 * triangles, grid.vertices());
+  const uint64_t triangles = tables.faces[face].triangles, vertices = std::min(3 * triangles, grid.vertices());
   // Picture, kept, depth, numbers, sums; what is foretold and its blocks; the mesh; the mip maps under way.
   constexpr uint64_t kDecodedVertex = 4 + 1 + 2 + 4 + 4 + 8 + 20, kMeshVertex = 64, kMeshTriangle = 16;
   return {renderer.texture_bytes_bound(grid.side(), grid.side()) + renderer.mesh_bytes_bound(vertices, triangles),
