@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <limits>
 #include <unordered_map>
 
+#include "codec/far_coverage.h"
 #include "codec/far_mesh.h"
 #include "geometry/cube_side.h"
 #include "geometry/parallax.h"
@@ -13,13 +15,15 @@ namespace promenade {
 namespace {
 
 constexpr float kAny = std::numeric_limits<float>::max();
-/// Part of the bound that triangles may use: the rest is for rounding depths and interpolating them.
-constexpr double kUsedPart = 0.98;
+/// Parts of the bound. What depths may be off; how far a triangle's texture may stand aside of its rays. The rest is
+/// for rounding depths and interpolating them.
+constexpr double kDepthPart = 0.78, kAsidePart = 0.2;
 
 /// A pixel's ray from the centre of the cell.
 struct Ray {
   EyeReach reach;
-  double length = 1;  ///< of a metre along the side's axis
+  glm::dvec3 direction{1, 0, 0};  ///< a metre along the side's axis
+  double length = 1;              ///< of the direction
 };
 
 class RayTable {
@@ -30,7 +34,7 @@ class RayTable {
     const double middle = std::max(grid_.cells() / 2.0, 0.5);
     const glm::dvec3 direction = axes_.forward + (x - middle) / middle * axes_.right + (middle - y) / middle * axes_.up;
     const double length = glm::length(direction);
-    return {eye_reach(glm::dvec3(half_m_), direction / length), length};
+    return {eye_reach(glm::dvec3(half_m_), direction / length), direction, length};
   }
 
  private:
@@ -79,7 +83,10 @@ class FarShaper {
       join_borders();
       for (uint32_t s = 0; s < 6; ++s)
         if (shapes_[s]) refine(s);
-      while (share_borders()) {
+      bool added = true;
+      while (added) {
+        added = share_borders();
+        for (uint32_t s = 0; s < 6; ++s) added = (shapes_[s] && straighten(s)) || added;
       }
     } else {
       for (std::optional<Shape>& shape : shapes_)
@@ -182,7 +189,7 @@ class FarShaper {
         if (!there(shape, i)) continue;
         const Ray ray = rays(x, y);
         const double true_m = half_box_m / code * FarFace::kNearest * ray.length;
-        const DistanceRange range = drawable_range(ray.reach, true_m, tables_.bound_rad * kUsedPart);
+        const DistanceRange range = drawable_range(ray.reach, true_m, tables_.bound_rad * kDepthPart);
         // Drawn kFarPush farther than the triangles say. A vertex's own depth must do.
         const double to_code = half_box_m * ray.length * (1 + kFarPush) * FarFace::kNearest;
         shape.low[i] = std::min(static_cast<float>(to_code / range.to_m), static_cast<float>(code));
@@ -192,7 +199,36 @@ class FarShaper {
     shape.value = {}, shape.low = {}, shape.high = {};
   }
 
-  /// The largest parallax of a pixel, by the triangles as they are drawn.
+  /// Halves triangles whose texture would stand too far aside: it is drawn straight between corners, where rays to what
+  /// is nearer lie closer together. True: some were.
+  bool straighten(uint32_t s) {
+    Shape& shape = *shapes_[s];
+    const FarCoverage coverage(shape.face);
+    const int64_t side = grid_.side();
+    const double radians_a_pixel = 2.0 / grid_.cells(), reach_m = std::sqrt(3.0) / 2 * tables_.cell_m;
+    // An eye may be nearer than the centre. Where the cell fills the box nothing helps.
+    const double nearer = std::max(1 - reach_m / (tables_.box_m / 2), 1.0 / 16);
+    const double allowed = tables_.bound_rad * kAsidePart * nearer / radians_a_pixel;
+    const auto aside = [&](uint32_t p, uint32_t q) {  // pixels, at most
+      const double root =
+          std::sqrt(std::max<double>(shape.face.depth[p], 1) / std::max<double>(shape.face.depth[q], 1));
+      const double part = std::abs(root - 1) / (root + 1);
+      return part *
+             std::hypot(double(int64_t(p) % side - int64_t(q) % side), double(int64_t(p) / side - int64_t(q) / side));
+    };
+    std::vector<uint32_t> middles;
+    for_each_triangle(grid_, shape.face.kept, [&](uint32_t a, uint32_t b, uint32_t c) {
+      const int64_t x = int64_t(a) % side + int64_t(b) % side, y = int64_t(a) / side + int64_t(b) / side;
+      if (x % 2 != 0 || y % 2 != 0 || !coverage.any(a, b, c)) return;
+      if (std::max({aside(a, b), aside(b, c), aside(c, a)}) > allowed)
+        middles.push_back(grid_.index(static_cast<uint32_t>(x / 2), static_cast<uint32_t>(y / 2)));
+    });
+    for (const uint32_t at : middles) shape.face.kept[at] = 1;
+    if (!middles.empty()) close_halvings(grid_, shape.face.kept);
+    return !middles.empty();
+  }
+
+  /// The largest angle between a pixel's point and where it is drawn, by the triangles and their texture as they are.
   double measure(uint32_t s) const {
     const Shape& shape = *shapes_[s];
     const RayTable rays(grid_, s, tables_.cell_m);
@@ -206,18 +242,25 @@ class FarShaper {
         return (x(q) - x(p)) * (at_y - y(p)) - (y(q) - y(p)) * (at_x - x(p));
       };
       const auto area = double(cross(a, b, x(c), y(c)));
+      std::array<glm::dvec3, 3> corner;
+      for (size_t k = 0; k < 3; ++k) {
+        const uint32_t at = std::array{a, b, c}[k];
+        const double depth_m = half_box_m / std::max<double>(shape.face.depth[at], 1) * FarFace::kNearest * push;
+        corner[k] = depth_m * rays(static_cast<uint32_t>(x(at)), static_cast<uint32_t>(y(at))).direction;
+      }
       for (int64_t py = std::min({y(a), y(b), y(c)}); py <= std::max({y(a), y(b), y(c)}); ++py)
         for (int64_t px = std::min({x(a), x(b), x(c)}); px <= std::max({x(a), x(b), x(c)}); ++px) {
           const auto i = static_cast<uint32_t>(py * side + px);
           if (!there(shape, i)) continue;
           const int64_t wa = cross(b, c, px, py), wb = cross(c, a, px, py), wc = cross(a, b, px, py);
           if (wa < 0 || wb < 0 || wc < 0) continue;
-          const double code =
-              (double(wa) * shape.face.depth[a] + double(wb) * shape.face.depth[b] + double(wc) * shape.face.depth[c]) /
-              area;
           const Ray ray = rays(static_cast<uint32_t>(px), static_cast<uint32_t>(py));
-          const double drawn_m = half_box_m / code * FarFace::kNearest * ray.length * push;
-          largest = std::max(largest, parallax_bound_rad(ray.reach, drawn_m, double(depth_m_[s][i]) * ray.length));
+          const glm::dvec3 drawn = (double(wa) * corner[0] + double(wb) * corner[1] + double(wc) * corner[2]) / area;
+          const double drawn_m = glm::length(drawn), true_m = double(depth_m_[s][i]) * ray.length;
+          const double aside_m = glm::length(drawn - ray.direction * (drawn_m / ray.length));
+          const double off = parallax_bound_rad(ray.reach, drawn_m, true_m) +
+                             aside_m / std::max(drawn_m - std::hypot(ray.reach.along_m, ray.reach.aside_m), 1e-9);
+          largest = std::max(largest, std::min(off, glm::pi<double>()));
         }
     });
     return largest;

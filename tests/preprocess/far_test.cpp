@@ -176,8 +176,8 @@ class Audit {
       for (const double dy : {0.0, -1.0, 1.0}) {
         const double ax = std::clamp(x + dx * texel, -1.0, 1.0), ay = std::clamp(y + dy * texel, -1.0, 1.0);
         if (!cell.sides[side]) continue;
-        const std::optional<double> drawn = first_hit(*cell.sides[side], cell.centre, ray(side, ax, ay), 0);
-        if (drawn) least = std::min(least, angle(point - eye, ray(side, ax, ay) * *drawn - eye));
+        const std::optional<glm::dvec3> drawn = drawn_at(*cell.sides[side], ax, ay);
+        if (drawn) least = std::min(least, angle(point - eye, *drawn - cell.centre - eye));
       }
     if (least > 3) {
       ++undrawn;
@@ -186,6 +186,27 @@ class Audit {
     largest_rad = std::max(largest_rad, least);
     // A texel aside is seen under somewhat more than its own angle from an eye nearer to it.
     if (least > tables_.bound_rad + 1e-9) ++over;
+  }
+
+  /// Where a place of the picture is drawn, as renderers do: between corners, straight in space and in the texture.
+  std::optional<glm::dvec3> drawn_at(const Mesh& mesh, double x, double y) const {
+    const double side = (1U << tables_.face_levels) + 1, texels = side - 1;
+    const glm::dvec2 at((texels * (1 + x) / 2 + 0.5) / side, (texels * (1 - y) / 2 + 0.5) / side);
+    for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+      std::array<glm::dvec2, 3> uv;
+      std::array<glm::dvec3, 3> p;
+      for (size_t k = 0; k < 3; ++k) {
+        uv[k] = glm::dvec2(mesh.texcoords[mesh.indices[3 * t + k]]);
+        p[k] = glm::dvec3(mesh.positions[mesh.indices[3 * t + k]]);
+      }
+      const auto cross = [](const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; };
+      const double area = cross(uv[1] - uv[0], uv[2] - uv[0]);
+      const double wa = cross(uv[1] - at, uv[2] - at) / area, wb = cross(uv[2] - at, uv[0] - at) / area,
+                   wc = 1 - wa - wb;
+      constexpr double kHair = -1e-6;
+      if (wa >= kHair && wb >= kHair && wc >= kHair) return wa * p[0] + wb * p[1] + wc * p[2];
+    }
+    return std::nullopt;
   }
 
   static glm::dvec3 ray(uint32_t side, double x, double y) {
