@@ -49,7 +49,8 @@ class Warp {
     const double most = grid_.cells() * double(kOne);
     const double px = std::clamp(middle_ * kOne + scale * glm::dot(p, sides_[side].right), 0.0, most);
     const double py = std::clamp(middle_ * kOne - scale * glm::dot(p, sides_[side].up), 0.0, most);
-    out_.at(x, y) = sample(from->colors, static_cast<int32_t>(px + 0.5), static_cast<int32_t>(py + 0.5));
+    out_.at(x, y) =
+        sample(from->colors, static_cast<int32_t>(std::floor(px + 0.5)), static_cast<int32_t>(std::floor(py + 0.5)));
   }
 
  private:

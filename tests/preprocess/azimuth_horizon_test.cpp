@@ -14,7 +14,7 @@ namespace {
 
 using Polygon = std::vector<glm::vec2>;
 
-const Box kNothing;  // clears no wall
+const Box nothing;  // clears no wall
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
@@ -62,7 +62,7 @@ TEST(AzimuthHorizon, a_wall_with_overhanging_teeth_hides_as_a_straight_one) {
   }
   AzimuthHorizon horizon;
   horizon.reset({0, 0, 2});
-  horizon.add(wall, 10, kNothing);
+  horizon.add(wall, 10, nothing);
   EXPECT_TRUE(horizon.hides(horizon.view_of({{80, -20, 0}, {90, 20, 12}})));
   EXPECT_FALSE(horizon.hides(horizon.view_of({{80, -20, 0}, {90, 20, 30}}))) << "rises above";
   EXPECT_FALSE(horizon.hides(horizon.view_of({{80, 60, 0}, {90, 100, 12}}))) << "beside";
@@ -79,7 +79,7 @@ TEST(AzimuthHorizon, hides_only_what_outlines_block) {
     const glm::dvec3 eye(in(-20, 20), in(-20, 20), in(0, 15));
     AzimuthHorizon horizon;
     horizon.reset(eye);
-    horizon.add(polygon, static_cast<float>(top_m), kNothing);
+    horizon.add(polygon, static_cast<float>(top_m), nothing);
     for (uint32_t k = 0; k < 40; ++k) {
       const glm::vec3 low(glm::dvec3(in(-90, 90), in(-90, 90), in(-5, 10)));
       const Box box{low, low + glm::vec3(glm::dvec3(in(0, 8), in(0, 8), in(0, 6)))};

@@ -19,7 +19,7 @@
 namespace promenade {
 namespace {
 
-constexpr uint32_t kWidth_px = 160, kHeight_px = 120;
+constexpr uint32_t kWidthPx = 160, kHeightPx = 120;
 
 uint32_t views_wanted() {
   const char* text = std::getenv("PROMENADE_CRACK_VIEWS");
@@ -39,12 +39,12 @@ glm::vec3 plastered(const glm::vec3& p) {
   return p * (1 + d / 4);
 }
 
-/// 8 by 8 by 8 m about the origin; each wall n by n squares.
+/// 8 by 8 by 8 m about the origin; each wall of 32 by 32 squares.
 Inside room_of_tessellated_walls() {
-  constexpr uint32_t n = 32;  // a power of two: sides meet to the bit
+  constexpr uint32_t kSquares = 32;  // a power of two: sides meet to the bit
   Mesh room;
   for (int side = 0; side < 6; ++side) {
-    Mesh wall = test::flat_grid(n, 8);
+    Mesh wall = test::flat_grid(kSquares, 8);
     for (glm::vec3& p : wall.positions) {
       p = {p.x - 4, p.y - 4, -4};
       if (side % 2 == 1) p = {p.x, -p.y, -p.z};
@@ -63,21 +63,21 @@ float hill_m(float x, float y) {
 /// A hilly disc of 60 m beneath a hemisphere.
 Inside terrain_under_a_dome() {
   constexpr uint32_t kRings = 60, kSectors = 120;
-  constexpr float kRadius_m = 60;
+  constexpr float kRadiusM = 60;
   Mesh mesh;
   for (const bool dome : {false, true}) {
     const auto first = static_cast<uint32_t>(mesh.positions.size());
     for (uint32_t r = 0; r <= kRings; ++r)
       for (uint32_t s = 0; s < kSectors; ++s) {
         const double turn = 2 * std::numbers::pi * s / kSectors, share = double(r) / kRings;
-        const double angle = share * std::numbers::pi / 2, out = kRadius_m * (dome ? std::sin(angle) : share);
+        const double angle = share * std::numbers::pi / 2, out = kRadiusM * (dome ? std::sin(angle) : share);
         const auto x = static_cast<float>(out * std::cos(turn)), y = static_cast<float>(out * std::sin(turn));
-        const float rim = hill_m(kRadius_m * float(std::cos(turn)), kRadius_m * float(std::sin(turn)));
+        const float rim = hill_m(kRadiusM * float(std::cos(turn)), kRadiusM * float(std::sin(turn)));
         const auto up = static_cast<float>(std::cos(angle));
         // Ends of the two grids are the same to the bit.
-        const float z = r == kRings ? rim : dome ? rim * (1 - up) + kRadius_m * up : hill_m(x, y);
-        const auto edge_x = static_cast<float>(kRadius_m * std::cos(turn)),
-                   edge_y = static_cast<float>(kRadius_m * std::sin(turn));
+        const float z = r == kRings ? rim : dome ? rim * (1 - up) + kRadiusM * up : hill_m(x, y);
+        const auto edge_x = static_cast<float>(kRadiusM * std::cos(turn)),
+                   edge_y = static_cast<float>(kRadiusM * std::sin(turn));
         mesh.positions.emplace_back(r == kRings ? edge_x : x, r == kRings ? edge_y : y, z);
       }
     for (uint32_t r = 0; r < kRings; ++r)
@@ -110,7 +110,7 @@ Inside sphere_seen_from_within() {
 Camera random_camera(test::Numbers& numbers, const glm::vec3& eye) {
   Camera camera;
   camera.pose = {glm::dvec3(eye), double(numbers.between(-180, 180)), double(numbers.between(-80, 80)), 0};
-  camera.width_px = kWidth_px, camera.height_px = kHeight_px;
+  camera.width_px = kWidthPx, camera.height_px = kHeightPx;
   camera.near_m = 0.01;
   return camera;
 }
@@ -207,7 +207,7 @@ TEST_P(Cracks, show_the_background_at_few_pixels_between_levels_mixed_at_random)
   constexpr double kMostShare = 1e-4;
   RandomChoice choice(model_, 1);
   const uint64_t pixels = look_around([&](const Camera& camera, uint32_t node) { return choice.takes(camera, node); });
-  EXPECT_LT(double(pixels), kMostShare * views_wanted() * kWidth_px * kHeight_px);
+  EXPECT_LT(double(pixels), kMostShare * views_wanted() * kWidthPx * kHeightPx);
 }
 
 INSTANTIATE_TEST_SUITE_P(Inside, Cracks,

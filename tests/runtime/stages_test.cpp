@@ -18,7 +18,6 @@ namespace promenade {
 namespace {
 
 using forest::Forest;
-using testing::ElementsAre;
 
 TEST(BoundedQueue, gives_in_order_and_makes_the_fast_side_wait) {
   BoundedQueue<int> queue(2);
