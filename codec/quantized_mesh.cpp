@@ -163,9 +163,8 @@ Mesh dequantize(const QuantizedMesh& mesh) {
   for (size_t v = 0; v < mesh.positions.size(); ++v)
     for (int axis = 0; axis < 3; ++axis) {
       const uint32_t coded = mesh.positions[v][axis];
-      out.positions[v][axis] =
-          mesh.on_grid ? value_of(mesh.position_base[static_cast<size_t>(axis)] + coded, step_m)
-                       : std::bit_cast<float>(coded);
+      out.positions[v][axis] = mesh.on_grid ? value_of(mesh.position_base[static_cast<size_t>(axis)] + coded, step_m)
+                                            : std::bit_cast<float>(coded);
     }
   out.normals.reserve(mesh.normals.size());
   for (const glm::i16vec2& n : mesh.normals) out.normals.push_back(normal_of_octahedral(n));

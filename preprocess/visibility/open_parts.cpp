@@ -7,8 +7,8 @@
 namespace promenade {
 namespace {
 
-constexpr uint32_t kSquares = 32;   // a side of the cell's plan
-constexpr uint32_t kMostParts = 6;  // measured: study hiders; more edges cost more than they hide
+constexpr uint32_t kSquares = 32;     // a side of the cell's plan
+constexpr uint32_t kMostParts = 6;    // measured: study hiders; more edges cost more than they hide
 constexpr double kFullEnough = 0.85;  // open share of a part from which on it is not divided
 constexpr double kLeastCut = 0.9;     // what a division must leave of a part's area
 
@@ -31,7 +31,9 @@ class CellPlanGrid {
     for (uint32_t y = 0; y < kSquares; ++y) fill_row(y, polygon);
   }
 
-  bool all_open() const { return std::all_of(open_.begin(), open_.end(), [](uint8_t open) { return open != 0; }); }
+  bool all_open() const {
+    return std::all_of(open_.begin(), open_.end(), [](uint8_t open) { return open != 0; });
+  }
 
   /// Open squares in rectangles.
   std::vector<Squares> parts() const {

@@ -106,10 +106,10 @@ class CellWork {
   std::span<const NodeId> front_;
   std::span<uint8_t> hidden_;
   std::vector<State> state_;
-  std::vector<Target> targets_;  ///< by node
-  std::vector<Box> boxes_;       ///< of a node's targets together
-  float eyes_from_m_ = 0;        ///< no eye is lower
-  float lowest_m_ = 0;           ///< no ray that matters goes below
+  std::vector<Target> targets_;         ///< by node
+  std::vector<Box> boxes_;              ///< of a node's targets together
+  float eyes_from_m_ = 0;               ///< no eye is lower
+  float lowest_m_ = 0;                  ///< no ray that matters goes below
   std::vector<UsableOccluder> usable_;  ///< nearest first
   AzimuthHorizon horizon_;
 };
