@@ -83,11 +83,8 @@ class FarShaper {
       join_borders();
       for (uint32_t s = 0; s < 6; ++s)
         if (shapes_[s]) refine(s);
-      bool added = true;
-      while (added) {
-        added = share_borders();
-        for (uint32_t s = 0; s < 6; ++s) added = (shapes_[s] && straighten(s)) || added;
-      }
+      settle([this](uint32_t s) { return straighten(s); });
+      settle([this](uint32_t s) { return halve_what_is_off(s); });
     } else {
       for (std::optional<Shape>& shape : shapes_)
         if (shape) close_halvings(grid_, shape->face.kept);
@@ -199,8 +196,18 @@ class FarShaper {
     shape.value = {}, shape.low = {}, shape.high = {};
   }
 
-  /// Halves triangles whose texture would stand too far aside: it is drawn straight between corners, where rays to what
-  /// is nearer lie closer together. True: some were.
+  /// Asks for halvings, side by side, until nobody wants one more.
+  template <class Halve>
+  void settle(const Halve& halve) {
+    bool added = true;
+    while (added) {
+      added = share_borders();
+      for (uint32_t s = 0; s < 6; ++s) added = (shapes_[s] && halve(s)) || added;
+    }
+  }
+
+  /// Halves triangles whose texture would stand too far aside, by their edges alone: it is drawn straight between
+  /// corners, where rays to what is nearer lie closer together. True: some were.
   bool straighten(uint32_t s) {
     Shape& shape = *shapes_[s];
     const FarCoverage coverage(shape.face);
@@ -228,14 +235,35 @@ class FarShaper {
     return !middles.empty();
   }
 
-  /// The largest angle between a pixel's point and where it is drawn, by the triangles and their texture as they are.
+  /// Halves triangles in which a pixel is drawn too far from its place after all. True: some were.
+  bool halve_what_is_off(uint32_t s) {
+    std::vector<uint8_t>& kept = shapes_[s]->face.kept;
+    std::vector<uint32_t> middles;
+    for_each_off(s, [&](uint32_t a, uint32_t b, double off) {
+      const uint32_t side = grid_.side(), x = a % side + b % side, y = a / side + b / side;
+      if (off > tables_.bound_rad && x % 2 == 0 && y % 2 == 0) middles.push_back(grid_.index(x / 2, y / 2));
+    });
+    for (const uint32_t at : middles) kept[at] = 1;
+    if (!middles.empty()) close_halvings(grid_, kept);
+    return !middles.empty();
+  }
+
   double measure(uint32_t s) const {
+    double largest = 0;
+    for_each_off(s, [&](uint32_t, uint32_t, double off) { largest = std::max(largest, off); });
+    return largest;
+  }
+
+  /// Calls visit(a, b, off) for every triangle with the hypotenuse a, b: the largest angle between the point of one of
+  /// its pixels and where that is drawn, by the triangles and their texture as they are.
+  template <class Visit>
+  void for_each_off(uint32_t s, const Visit& visit) const {
     const Shape& shape = *shapes_[s];
     const RayTable rays(grid_, s, tables_.cell_m);
     const double half_box_m = tables_.box_m / 2, push = tables_.has_depth ? 1 + kFarPush : 1;
     const uint32_t side = grid_.side();
-    double largest = 0;
     for_each_triangle(grid_, shape.face.kept, [&](uint32_t a, uint32_t b, uint32_t c) {
+      double largest = 0;
       const auto x = [side](uint32_t i) { return int64_t(i % side); };
       const auto y = [side](uint32_t i) { return int64_t(i / side); };
       const auto cross = [&](uint32_t p, uint32_t q, int64_t at_x, int64_t at_y) {
@@ -262,8 +290,8 @@ class FarShaper {
                              aside_m / std::max(drawn_m - std::hypot(ray.reach.along_m, ray.reach.aside_m), 1e-9);
           largest = std::max(largest, std::min(off, glm::pi<double>()));
         }
+      visit(a, b, largest);
     });
-    return largest;
   }
 
   const FarTables& tables_;
