@@ -1,31 +1,29 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <glm/trigonometric.hpp>
 #include <memory>
 
 #include "cli/console.h"
 #include "cli/far_command.h"
-#include "geometry/path.h"
-#include "layout/file_io.h"
+#include "cli/view_options.h"
 #include "preprocess/far/far_build.h"
 
 namespace promenade {
 namespace {
 
-constexpr uint64_t kLargestPath = uint64_t(64) << 20;
 constexpr double kPlacesASecond = 30;
 
-/// The places of a recorded path, close together.
+/// The places of a recorded path, close together, from its start to its end.
 Result<std::vector<glm::dvec3>> places_of_path(const std::filesystem::path& file) {
-  const Result<std::string> text = read_text_file(file, kLargestPath);
-  if (!text) return text.error();
-  const Result<CameraPath> path = parse_path(*text, file.string());
+  const Result<CameraPath> path = read_path(file);
   if (!path) return path.error();
   std::vector<glm::dvec3> places;
-  const auto count = static_cast<uint32_t>(path->duration_s() * kPlacesASecond) + 1;
-  places.reserve(count);
-  for (uint32_t i = 0; i < count; ++i)
-    places.push_back(pose_at(*path, path->keys.front().t_s + i / kPlacesASecond).eye);
+  const auto steps = static_cast<uint32_t>(std::ceil(path->duration_s() * kPlacesASecond));
+  places.reserve(steps + 1);
+  for (uint32_t i = 0; i <= steps; ++i)
+    places.push_back(pose_at(*path, path->keys.front().t_s + std::min(i / kPlacesASecond, path->duration_s())).eye);
   return places;
 }
 

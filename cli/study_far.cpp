@@ -52,14 +52,6 @@ void add_error(const Image& drawn, const Image& decoded, Sum& sum) {
   }
 }
 
-/// Bytes of a side's colours: the rest are triangles and where something is.
-uint32_t picture_bytes(std::span<const std::byte> face) {
-  constexpr size_t kAt = 8;
-  uint32_t bytes = 0;
-  for (size_t i = 0; i < 4; ++i) bytes |= std::to_integer<uint32_t>(face[kAt + i]) << (8 * i);
-  return bytes;
-}
-
 /// Stores a side in one way, and reads it again.
 Result<FarFace> store(const FarFace& face, const Way& way, uint32_t side, const FarReference& reference, int quality,
                       Sum& sum) {
@@ -73,7 +65,7 @@ Result<FarFace> store(const FarFace& face, const Way& way, uint32_t side, const 
   Result<FarFace> back = decode_far_face(*bytes, side, &reference);
   if (!back) return back;
   sum.decode_s += decoding.seconds();
-  sum.bytes += bytes->size(), sum.picture_bytes += picture_bytes(*bytes), ++sum.faces;
+  sum.bytes += bytes->size(), sum.picture_bytes += picture_bytes_of_far_face(*bytes), ++sum.faces;
   add_error(face.colors, back->colors, sum);
   return back;
 }

@@ -285,4 +285,9 @@ std::optional<std::array<int8_t, 3>> reference_of_far_face(std::span<const std::
   return head->places;
 }
 
+size_t picture_bytes_of_far_face(std::span<const std::byte> bytes) {
+  const Result<Head> head = read_head(bytes);
+  return head ? head->picture.size() : 0;
+}
+
 }  // namespace promenade

@@ -70,6 +70,9 @@ Result<FarFace> decode_far_face(std::span<const std::byte> bytes, uint32_t side 
 /// Where the reference of a side lies, as FarReference::places; nullopt: it stands alone, or is none.
 std::optional<std::array<int8_t, 3>> reference_of_far_face(std::span<const std::byte> bytes);
 
+/// Bytes of the side's colours: the rest tell triangles and where something is. 0: it is no side.
+size_t picture_bytes_of_far_face(std::span<const std::byte> bytes);
+
 /// Where nothing is, colours of something near in place of what is there, so that coders and filters find no edge.
 /// Opacities stay.
 void fill_colors(Image& colors);

@@ -17,7 +17,7 @@ struct IdForest {
 };
 
 constexpr uint32_t kMaxForestDepth =
-    1024;  // bounds recursion on hostile input; a billion triangles make about 20 levels
+    1024;  // bounds what coders keep open on hostile input; a billion triangles make about 20 levels
 
 /// Every subtree within its parent's, none deeper than kMaxForestDepth; else an Error that says which node. Any thread.
 Status check(const IdForest& forest);

@@ -248,6 +248,7 @@ class FarShaper {
     return !middles.empty();
   }
 
+  /// The largest angle of all its triangles, as for_each_off has it.
   double measure(uint32_t s) const {
     double largest = 0;
     for_each_off(s, [&](uint32_t, uint32_t, double off) { largest = std::max(largest, off); });
