@@ -28,7 +28,8 @@ namespace {
 constexpr int kMostHalvings = 6;  // measured: study hiders
 constexpr float kSmallestSegmentM = 0.2F;
 constexpr int kLook = 3;             // halvings before which corners and middles have been looked from already
-constexpr size_t kFewTargets = 500;  // more are looked at node by node
+constexpr size_t kFewTargets = 500;  // more are looked at node by node, but for nodes that fill a wide angle
+constexpr uint32_t kWideBins = AzimuthHorizon::kBins / 16;
 
 /// Whether one of two boxes lies above or below the other.
 bool share_plan(const Box& a, const Box& b) {
@@ -170,12 +171,13 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
   horizon_.reset(eye);
   horizon_.want_none();
   const bool few = targets.size() < kFewTargets;
-  for (size_t i = 0; i < targets.size(); ++i) {
-    const Target& target = targets_[targets[i]];
-    if (few)
-      horizon_.want(horizon_.view_of(target.box));
-    else if (i == 0 || target.node != targets_[targets[i - 1]].node)
-      horizon_.want(horizon_.view_of(boxes_[target.node]));
+  for (size_t i = 0; i < targets.size();) {
+    const uint32_t node = targets_[targets[i]].node;
+    const BoxInView whole = horizon_.view_of(boxes_[node]);
+    const bool as_one = !few && whole.bins < kWideBins;
+    if (as_one) horizon_.want(whole);
+    for (; i < targets.size() && targets_[targets[i]].node == node; ++i)
+      if (!as_one) horizon_.want(horizon_.view_of(targets_[targets[i]].box));
   }
   horizon_.wants_complete();
   for (const UsableOccluder& usable : usable_) {
