@@ -289,8 +289,7 @@ BoxInView AzimuthHorizon::view_of(const Box& box) const {
   const auto bin_from = static_cast<uint32_t>(static_cast<int32_t>(std::floor(from))) & kBinMask;
   const auto bin_to = static_cast<uint32_t>(static_cast<int32_t>(std::floor(to))) & kBinMask;
   const double rise = double(box.max.z) - eye_.z;
-  const double farthest = glm::length(glm::max(glm::abs(low), glm::abs(high)));
-  const double steep = rise / (rise > 0 ? nearest : farthest);
+  const double steep = rise / (rise > 0 ? nearest : glm::length(glm::max(glm::abs(low), glm::abs(high))));
   return {bin_from, ((bin_to - bin_from) & kBinMask) + 1, static_cast<float>((1 + kRounding) / nearest),
           static_cast<float>(steep + std::abs(steep) * kRounding)};
 }

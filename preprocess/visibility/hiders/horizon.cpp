@@ -77,15 +77,10 @@ class CellWork {
   void prove_edges();
   void prove(const glm::dvec3& from, const glm::dvec3& to, Targets targets, int halvings);
   void fill_horizon(const glm::dvec3& eye, const Targets& targets, float erosion_m);
-  /// Targets that the horizon does not hide.
+  /// Of the targets that the horizon was filled for, those that it does not hide.
   Targets not_hidden(const Targets& targets);
   /// Keeps nodes with a target that the horizon does not hide.
-  void keep_seen(const Targets& targets) {
-    for (const uint32_t t : targets) {
-      State& state = state_[targets_[t].node];
-      if (state == State::open && !horizon_.hides(horizon_.view_of(targets_[t].box))) state = State::seen;
-    }
-  }
+  void keep_seen(const Targets& targets) { keep(not_hidden(targets)); }
   void keep(const Targets& targets) {
     for (const uint32_t t : targets) state_[targets_[t].node] = State::seen;
   }
@@ -113,6 +108,7 @@ class CellWork {
   float lowest_m_ = 0;                  ///< no ray that matters goes below
   std::vector<UsableOccluder> usable_;  ///< nearest first
   AzimuthHorizon horizon_;
+  std::vector<BoxInView> views_;  ///< of the targets that it was filled for; empty: these are many
 };
 
 /// What rays from the cell may do on their way to a part. Eyes are in the air, so above the ground; what lies below the
@@ -171,13 +167,19 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
   horizon_.reset(eye);
   horizon_.want_none();
   const bool few = targets.size() < kFewTargets;
+  views_.clear();
   for (size_t i = 0; i < targets.size();) {
     const uint32_t node = targets_[targets[i]].node;
-    const BoxInView whole = horizon_.view_of(boxes_[node]);
+    BoxInView whole;
+    if (!few) whole = horizon_.view_of(boxes_[node]);
     const bool as_one = !few && whole.bins < kWideBins;
     if (as_one) horizon_.want(whole);
-    for (; i < targets.size() && targets_[targets[i]].node == node; ++i)
-      if (!as_one) horizon_.want(horizon_.view_of(targets_[targets[i]].box));
+    for (; i < targets.size() && targets_[targets[i]].node == node; ++i) {
+      if (as_one) continue;
+      const BoxInView view = horizon_.view_of(targets_[targets[i]].box);
+      horizon_.want(view);
+      if (few) views_.push_back(view);
+    }
   }
   horizon_.wants_complete();
   for (const UsableOccluder& usable : usable_) {
@@ -194,14 +196,16 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
   }
 }
 
-/// Nodes first, their parts only where that does not do.
+/// Few by their views; of many, nodes first, their parts only where that does not do.
 CellWork::Targets CellWork::not_hidden(const Targets& targets) {
   Targets left;
+  const bool few = views_.size() == targets.size();
   for (size_t i = 0; i < targets.size();) {
     const uint32_t node = targets_[targets[i]].node;
-    const bool hidden = horizon_.hides(horizon_.view_of(boxes_[node]));
+    const bool hidden = !few && horizon_.hides(horizon_.view_of(boxes_[node]));
     for (; i < targets.size() && targets_[targets[i]].node == node; ++i)
-      if (!hidden && !horizon_.hides(horizon_.view_of(targets_[targets[i]].box))) left.push_back(targets[i]);
+      if (!hidden && !horizon_.hides(few ? views_[i] : horizon_.view_of(targets_[targets[i]].box)))
+        left.push_back(targets[i]);
   }
   return left;
 }
