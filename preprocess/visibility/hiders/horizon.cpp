@@ -27,7 +27,9 @@ namespace {
 
 constexpr int kMostHalvings = 6;  // measured: study hiders
 constexpr float kSmallestSegmentM = 0.2F;
-constexpr int kLook = 3;             // halvings before which corners and middles have been looked from already
+// Measured: after so many halvings it pays to look whether what is undecided is seen. Bins are coarse, and what a look
+// sees is kept for good: more looks are slower, and keep more.
+constexpr int kLook = 3;
 constexpr size_t kFewTargets = 500;  // more are looked at node by node, but for nodes that fill a wide angle
 constexpr uint32_t kWideBins = AzimuthHorizon::kBins / 16;
 
@@ -210,13 +212,11 @@ CellWork::Targets CellWork::not_hidden(const Targets& targets) {
   return left;
 }
 
-/// Most of what is seen is seen from a corner or from the middle of an edge.
+/// Most of what is seen is seen from a corner.
 void CellWork::look_from_corners() {
   Targets open(targets_.size());
   std::iota(open.begin(), open.end(), 0U);
-  const auto corner = corners();
-  for (size_t i = 0; i < 8; ++i) {
-    const glm::dvec3 eye = i < 4 ? corner[i] : (corner[i - 4] + corner[(i - 3) % 4]) * 0.5;
+  for (const glm::dvec3& eye : corners()) {
     fill_horizon(eye, open, 0);
     keep_seen(open);
     open = still_open(open);
