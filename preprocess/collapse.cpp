@@ -393,19 +393,22 @@ void Collapser::gather_around(uint32_t place) {
   make_frames();
 }
 
-float Collapser::distance_around(const glm::vec3& point, uint32_t place) {
-  gather_around(place);
-  if (candidates_.empty()) return 0;
-  float distance2 = 0;
-  nearest_candidate(point, distance2);
-  return std::sqrt(distance2);
+float Collapser::nearest_around(const std::vector<glm::vec3>& points, const std::vector<uint32_t>& places,
+                                std::vector<uint32_t>& triangles) {
+  triangles.assign(points.size(), kNone);
+  float farthest2 = 0;
+  uint32_t around = kNone;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (places[i] != around) gather_around(around = places[i]);
+    if (candidates_.empty()) continue;
+    float distance2 = 0;
+    triangles[i] = nearest_candidate(points[i], distance2);
+    farthest2 = std::max(farthest2, distance2);
+  }
+  return std::sqrt(farthest2);
 }
 
-void Collapser::add_point(const glm::vec3& point, uint32_t place) {
-  gather_around(place);
-  if (candidates_.empty()) return;
-  float distance2 = 0;
-  const uint32_t triangle = nearest_candidate(point, distance2);
+void Collapser::add_point(const glm::vec3& point, uint32_t triangle) {
   points_.push_back(point);
   next_point_.push_back(kNone);
   attach(static_cast<uint32_t>(points_.size() - 1), triangle);

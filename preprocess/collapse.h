@@ -52,10 +52,12 @@ class Collapser {
   /// Places that share a triangle with this one, each once. Valid until the next call of anything here.
   const std::vector<uint32_t>& ring_of(uint32_t place);
 
-  /// Distance of a point to the triangles around a place; 0 where there are none.
-  float distance_around(const glm::vec3& point, uint32_t place);
-  /// Gives a point to the triangle nearest to it around a place. It counts in later costs.
-  void add_point(const glm::vec3& point, uint32_t place);
+  /// For each point the triangle nearest to it around the place of the same index; kNone where there are none. Returns
+  /// the largest distance. Quicker where neighbours in the lists have the same place.
+  float nearest_around(const std::vector<glm::vec3>& points, const std::vector<uint32_t>& places,
+                       std::vector<uint32_t>& triangles);
+  /// Gives a point to a triangle. It counts in later costs.
+  void add_point(const glm::vec3& point, uint32_t triangle);
 
   /// The points on a triangle: appended to `points`.
   void points_on(uint32_t triangle, std::vector<glm::vec3>& points) const;
