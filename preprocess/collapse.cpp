@@ -199,19 +199,24 @@ Collapser::Choice Collapser::choose(uint32_t place, float limit_m) {
   if (!may_go(place)) return best;
   estimate_ring(place);
   choices_.clear();
-  for (size_t i = 0; i < ring_.size(); ++i) choices_.push_back({ring_[i].place, estimates_[i / kLanes][i % kLanes]});
+  for (size_t i = 0; i < ring_.size(); ++i) choices_.push_back({ring_[i].place, estimates_[i / kLanes][i % kLanes], 0});
   std::sort(choices_.begin(), choices_.end(), [](const Choice& a, const Choice& b) {
     return a.cost_m != b.cost_m ? a.cost_m < b.cost_m : a.target < b.target;
   });
+  float least_unsound = kInfinity;
   for (const Choice& choice : choices_) {
     if (best.target != kNone && choice.cost_m >= best.cost_m) break;
-    if (!is_sound(place, choice.target)) continue;
+    if (!is_sound(place, choice.target)) {
+      least_unsound = std::min(least_unsound, choice.cost_m);
+      continue;
+    }
     const float limit = best.target == kNone ? limit_m : std::min(limit_m, best.cost_m);
     const float cost = std::max(choice.cost_m, measure(place, choice.target, limit, moved_));
     if (best.target != kNone && cost >= best.cost_m) continue;
-    best = {choice.target, cost};
+    best = {choice.target, cost, 0};
     best_moved_.swap(moved_);
   }
+  best.firm_m = std::min(best.cost_m, least_unsound);
   return best;
 }
 
