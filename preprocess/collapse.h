@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/triangle_kernels.h"
 #include "preprocess/work_mesh.h"
 
 namespace promenade {
@@ -64,19 +65,7 @@ class Collapser {
   void points_on(uint32_t triangle, std::vector<glm::vec3>& points) const;
 
  private:
-  static constexpr size_t kLanes = 4;
-  /// Four triangles in frames of their own, as in ClosestPointTree.
-  struct alignas(16) Frames {
-    float origin_x[kLanes], origin_y[kLanes], origin_z[kLanes];
-    float x_x[kLanes], x_y[kLanes], x_z[kLanes];
-    float y_x[kLanes], y_y[kLanes], y_z[kLanes];
-    float z_x[kLanes], z_y[kLanes], z_z[kLanes];
-    float base[kLanes], apex_x[kLanes], apex_y[kLanes], inverse_left2[kLanes], inverse_right2[kLanes];
-  };
-  /// The corners of four triangles: by corner, axis, triangle.
-  struct alignas(16) Corners {
-    float at[3][3][kLanes];
-  };
+  static constexpr size_t kAtOnce = 4;  // targets that are estimated
   /// A line that the place had better not leave.
   struct Line {
     glm::vec3 direction;
@@ -117,6 +106,7 @@ class Collapser {
 
   WorkMesh& work_;
   const Mesh& source_;
+  const TriangleKernels& kernels_ = triangle_kernels();
   std::vector<uint8_t> cell_faces_;
   std::vector<uint8_t> locked_;
   std::vector<glm::vec3> normals_;  // of each triangle; 0 where it has none
@@ -133,11 +123,11 @@ class Collapser {
   std::vector<uint32_t> ring_places_;
   std::vector<Line> lines_;
   std::vector<uint32_t> fan_;  // the place's corners in living triangles
-  struct alignas(16) Estimates : std::array<float, kLanes> {};
+  struct alignas(16) Estimates : std::array<float, kAtOnce> {};
   std::vector<Estimates> estimates_;  // for ring_, four by four
   std::vector<Choice> choices_;
-  std::vector<Corners> corners_;
-  std::vector<Frames> frames_;  // of the same triangles
+  std::vector<TriangleCorners> corners_;
+  std::vector<TriangleFrames> frames_;  // of the same triangles
   std::vector<uint32_t> candidates_;
   std::vector<Moved> moved_, best_moved_;
   std::vector<std::array<uint32_t, 2>> leads_;  // attributes of the place, those of the target

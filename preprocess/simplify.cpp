@@ -207,8 +207,11 @@ class Simplifier {
     queue_.set(places() + part, 0);
     for (uint32_t t = 0; t < patch.triangles.size(); ++t)
       for (uint32_t c = 0; c < 3; ++c)
-        for (const uint32_t of : {work_.place[(patch.first_copy + t) * 3 + c], work_.place[patch.triangles[t] * 3 + c]})
-          queue_.set(work_.current(of), collapser_.estimate(work_.current(of)));
+        for (const uint32_t of :
+             {work_.place[(patch.first_copy + t) * 3 + c], work_.place[patch.triangles[t] * 3 + c]}) {
+          firm_m_[work_.current(of)] = 0;
+          queue_again(work_.current(of));
+        }
   }
 
   /// What costs no more than this may as well be done now: the rest of the queue costs about as much.
