@@ -220,10 +220,8 @@ Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
   options.texel_m = std::max({surface.error_m / 2, double(surface.texel_m), 1e-6});
   options.max_side_px = options_.max_atlas_px;
   std::map<uint32_t, std::shared_ptr<const Image>> pictures;
-  AlphaMode see_through = AlphaMode::mask;
   for (const uint32_t m : materials_of(merged.mesh)) {
     const Material& material = merged.materials[m];
-    if (material.alpha == AlphaMode::blend) see_through = AlphaMode::blend;
     if (material.texture == kNoTexture) continue;
     if ((material.texture & kLocalTexture) != 0) {
       pictures[material.texture] = merged.atlases[material.texture & ~kLocalTexture];
@@ -247,10 +245,10 @@ Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
   if (!baked.ok()) return baked.error();
   Material atlas_material;
   atlas_material.wrap_u = atlas_material.wrap_v = Wrap::clamp;
-  atlas_material.alpha = baked->has_opacity ? see_through : AlphaMode::opaque;
   baked->mesh.materials.resize(surface.mesh.materials.size());
   for (size_t t = 0; t < surface.mesh.materials.size(); ++t) {
     atlas_material.two_sided = base_.materials[surface.mesh.materials[t]].two_sided;
+    atlas_material.alpha = baked->alpha[t];
     auto place = std::find(surface.atlas_materials.begin(), surface.atlas_materials.end(), atlas_material);
     if (place == surface.atlas_materials.end()) place = surface.atlas_materials.insert(place, atlas_material);
     baked->mesh.materials[t] = base_.size() + static_cast<uint32_t>(place - surface.atlas_materials.begin());
