@@ -35,11 +35,15 @@ class FarFollower {
   std::span<const FarLayer> layers() const { return layers_; }  ///< empty: geometry alone
   std::span<const Box> near() const { return near_; }           ///< one a layer: what is drawn as geometry
   std::optional<FarCellId> cell() const { return cell_; }       ///< the eye's; nullopt: outside
-  bool is_late() const { return late_; }        ///< the eye's cell has a picture, and the last one's is drawn instead
+  bool is_late() const {
+    return late_;
+  }  ///< the eye's cell has a picture, and the last one's is drawn instead: off by at most
+     ///< twice the bound, about
   bool is_missing() const { return missing_; }  ///< the eye's cell has a picture, and geometry is drawn instead
 
  private:
   bool near_shown(const glm::dvec3& eye) const;
+  void want_ahead(const glm::dvec3& eye, const glm::dvec3& way_m, std::vector<FarCellId>& cells) const;
   void set_layers();
 
   const FarTables& tables_;

@@ -129,6 +129,10 @@ TEST_F(Follower, wants_where_the_eye_goes_first_and_what_is_beside) {
   EXPECT_THAT(follower.wanted({0, 1, 0}, {0, 20, 0}),
               ElementsAre(FarCellId{5}, FarCellId{6}, FarCellId{7}, FarCellId{8}, FarCellId{9}, FarCellId{4}));
   EXPECT_TRUE(follower.wanted({0, 1, 900}, {0, 0, 0}).empty());
+  EXPECT_THAT(
+      follower.wanted({0, -45, 0}, {0, 4000, 0}),
+      ElementsAre(FarCellId{0}, FarCellId{1}, FarCellId{2}, FarCellId{3}, FarCellId{4}, FarCellId{5}, FarCellId{6}))
+      << "every cell on the way, however fast";
 }
 
 // --- store --------------------------------------------------------------------------------------------------------
@@ -144,7 +148,7 @@ std::vector<FarCellId> cells(std::initializer_list<uint32_t> ids) {
 void work(FarStore& store, NullRenderer& renderer) {
   for (int i = 0; i < 200; ++i) {
     store.let_go(store.take_leaving(), renderer);
-    store.upload(renderer);
+    store.upload(renderer, 0);
     static_cast<void>(store.load_next());
     EXPECT_LE(store.bytes(), store.bound_bytes());
     EXPECT_LE(renderer.bytes(), store.bound_bytes());
@@ -154,7 +158,7 @@ void work(FarStore& store, NullRenderer& renderer) {
 TEST(FarStore, brings_what_is_wanted_in_order_within_its_bound) {
   const FarForest source;
   NullRenderer renderer;
-  FarStore store(source, renderer, 1000);  // little: room for two cells as they load, no more
+  FarStore store(source, renderer, 1000);  // little: room for three cells, no more
   store.want(cells({3, 4, 5, 6}));
   work(store, renderer);
   EXPECT_TRUE(store.find(FarCellId{3}));
