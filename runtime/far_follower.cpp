@@ -14,6 +14,13 @@ constexpr double kBorderCells = 1e-6;  // so far beyond a border one is in the n
 
 }  // namespace
 
+/// A cell and what is around it, each once.
+void FarFollower::want(const std::optional<FarCellId>& cell, std::vector<FarCellId>& cells) const {
+  if (!cell) return;
+  for (const FarCellId each : chain_of(tables_, *cell))
+    if (std::find(cells.begin(), cells.end(), each) == cells.end()) cells.push_back(each);
+}
+
 /// The cells that a straight way from the eye's leads through, in order, however short the way within each.
 void FarFollower::want_ahead(const glm::dvec3& eye, const glm::dvec3& way_m, std::vector<FarCellId>& cells) const {
   const glm::dvec3 from = (eye - tables_.origin) / tables_.cell_m, way = way_m / tables_.cell_m;
@@ -32,18 +39,15 @@ void FarFollower::want_ahead(const glm::dvec3& eye, const glm::dvec3& way_m, std
     if (at >= 1) return;
     const std::optional<FarCellId> cell = far_cell_at(tables_, eye + at * way_m);
     if (!cell || std::find(cells.begin(), cells.end(), *cell) != cells.end()) continue;
-    cells.push_back(*cell);
+    want(cell, cells);
     ++found;
   }
 }
 
 std::vector<FarCellId> FarFollower::wanted(const glm::dvec3& eye, const glm::dvec3& velocity_m_per_s) const {
   std::vector<FarCellId> cells;
-  const auto want = [&cells](const std::optional<FarCellId>& cell) {
-    if (cell && std::find(cells.begin(), cells.end(), *cell) == cells.end()) cells.push_back(*cell);
-  };
-  want(far_cell_at(tables_, eye));
-  want(shown_), want(fading_);
+  want(far_cell_at(tables_, eye), cells);
+  want(shown_, cells), want(fading_, cells);
   want_ahead(eye, velocity_m_per_s * kAheadS, cells);
   // Across the faces, the nearest first.
   std::array<std::pair<double, glm::dvec3>, 6> beside;
@@ -56,7 +60,7 @@ std::vector<FarCellId> FarFollower::wanted(const glm::dvec3& eye, const glm::dve
     beside[static_cast<size_t>(i)] = {i % 2 == 0 ? 1 - place : place, at};
   }
   std::sort(beside.begin(), beside.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [distance, at] : beside) want(far_cell_at(tables_, at));
+  for (const auto& [distance, at] : beside) want(far_cell_at(tables_, at), cells);
   return cells;
 }
 

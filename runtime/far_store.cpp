@@ -10,7 +10,7 @@ namespace promenade {
 namespace {
 
 constexpr uint64_t kComfortableCells = 12;  // the eye's, the last one's, six ahead, and some beside
-constexpr uint64_t kLeastCells = 3;         // the eye's, the last one's, the next
+constexpr uint64_t kLeastCells = 3;         // the eye's, the last one's, the next; and what is around two of them
 constexpr uint64_t kMemoryPart = 4;         // of the session's: no more than this, unless those need it
 constexpr size_t kMostFailures = 8;
 
@@ -125,7 +125,8 @@ FarStore::FarStore(const ModelSource& source, const Renderer& renderer, uint64_t
     s.handing_bytes = std::max(s.handing_bytes, bytes.staged);
   }
   s.decoding_bytes += FarKey::byte_size(s.tables);
-  s.capacity_bytes = std::max(kLeastCells * largest, std::min(kComfortableCells * largest, memory_bytes / kMemoryPart));
+  s.capacity_bytes = std::max((kLeastCells + 2 * s.tables.outer.size()) * largest,
+                              std::min(kComfortableCells * largest, memory_bytes / kMemoryPart));
 }
 
 FarStore::~FarStore() = default;
