@@ -95,6 +95,37 @@ TEST(AzimuthHorizon, hides_only_what_outlines_block) {
   EXPECT_GT(hidden, 1000U) << "else the test says little";
 }
 
+TEST(AzimuthHorizon, hides_what_is_asked_for_as_if_everything_were) {
+  Random random(11);
+  const auto in = [&](double low, double high) { return low + (high - low) * random.unit(); };
+  uint32_t hidden = 0, seen = 0;
+  for (uint32_t round = 0; round < 400; ++round) {
+    const glm::dvec3 eye(in(-5, 5), in(-5, 5), in(0, 12));
+    AzimuthHorizon all, some;
+    all.reset(eye), some.reset(eye);
+    some.want_none();
+    std::vector<Box> boxes;
+    for (uint32_t k = 0, count = 1 + random.below(6); k < count; ++k) {  // few: a narrow sector; more: all around
+      const glm::vec3 low(glm::dvec3(in(-90, 90), in(-90, 90), in(-5, 6)));
+      boxes.push_back({low, low + glm::vec3(glm::dvec3(in(0, 8), in(0, 8), in(0, 6)))});
+      some.want(some.view_of(boxes.back()));
+    }
+    some.wants_complete();
+    for (uint32_t k = 0; k < 3; ++k) {  // so few that no wall is ever forgotten
+      const glm::vec2 middle(glm::dvec2(in(-30, 30), in(-30, 30)));
+      const Polygon polygon = jagged(middle, in(5, 25), 3 + random.below(6), random);
+      const auto top_m = static_cast<float>(in(0, 12));
+      all.add(polygon, top_m, nothing), some.add(polygon, top_m, nothing);
+    }
+    for (const Box& box : boxes) {
+      const bool hides = all.hides(all.view_of(box));
+      EXPECT_EQ(some.hides(some.view_of(box)), hides) << "round " << round;
+      ++(hides ? hidden : seen);
+    }
+  }
+  EXPECT_GT(std::min(hidden, seen), 200U) << "else the test says little";
+}
+
 /// One occluder with one loop, which serves at every erosion up to half a metre.
 OccluderSet set_of(const Polygon& polygon, float base_m, float top_m) {
   OccluderSet set;
