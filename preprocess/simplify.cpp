@@ -176,12 +176,11 @@ class Simplifier {
     uint32_t& alive = alive_in_part_[parts_.of_place(place)];
     const uint32_t before = work_.alive_count;
     if (collapser_.triangles_between(place, choice.target) >= alive) return;
+    collapser_.chosen_ring(ring_);
     collapser_.collapse(place, choice.target);
     reached_m_ = std::max(reached_m_, choice.cost_m);
     alive -= before - work_.alive_count;
-    queue_again(choice.target);
-    ring_ = collapser_.ring_of(choice.target);
-    for (const uint32_t p : ring_) queue_again(p);
+    for (const uint32_t p : ring_) queue_again(p);  // the target among them; nothing else has other triangles now
   }
 
   /// After a change beside it: what it cost for certain before, it hardly costs less than now.
