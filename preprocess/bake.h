@@ -11,6 +11,9 @@
 
 namespace promenade {
 
+/// In texels: a point lies at most half a texel's diagonal from the texel's centre.
+constexpr double kTexelReach = 0.7072;
+
 struct BakeOptions {
   /// Wanted side of a texel on the surface, in metres, > 0. Smaller: sharper and larger atlases.
   double texel_m = 0.1;
