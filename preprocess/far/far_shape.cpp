@@ -287,8 +287,12 @@ class FarShaper {
           const glm::dvec3 drawn = (double(wa) * corner[0] + double(wb) * corner[1] + double(wc) * corner[2]) / area;
           const double drawn_m = glm::length(drawn), true_m = double(depth_m_[s][i]) * ray.length;
           const double aside_m = glm::length(drawn - ray.direction * (drawn_m / ray.length));
-          const double off = parallax_bound_rad(ray.reach, drawn_m, true_m) +
-                             aside_m / std::max(drawn_m - std::hypot(ray.reach.along_m, ray.reach.aside_m), 1e-9);
+          const double turned = aside_m / std::max(drawn_m - std::hypot(ray.reach.along_m, ray.reach.aside_m), 1e-9);
+          double off = parallax_bound_rad(ray.reach, drawn_m, true_m) + turned;
+          // That is a little too much: where it matters, corner by corner.
+          if (off > tables_.bound_rad)
+            off = std::min(off, turned + parallax_rad(glm::dvec3(tables_.cell_m / 2), ray.direction,
+                                                      drawn_m / ray.length, true_m / ray.length));
           largest = std::max(largest, std::min(off, glm::pi<double>()));
         }
       visit(a, b, largest);

@@ -255,7 +255,7 @@ TEST_F(FarPictures, keep_the_bound_at_random_points_and_eyes_with_and_without_de
 TEST_F(FarPictures, of_several_shells_keep_the_bound_in_each_and_share_the_outer_ones) {
   for (const bool depth : {false, true}) {
     BuildOptions o = options(depth);
-    o.far.shells = 2, o.far.box_m = 90, o.far.spacing_factor = 2.2;
+    o.far.shells = 2, o.far.box_m = 90, o.far.spacing_factor = 3;
     const Result<ModelReader> reader = built(o);
     ASSERT_TRUE(reader.ok());
     const FarTables& tables = reader->far()->tables();
