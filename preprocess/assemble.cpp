@@ -225,7 +225,8 @@ class Assembler {
     }
     for (uint32_t& material : mesh->materials)
       if (material >= first_atlas_material_) material += bytes.first_material - first_atlas_material_;
-    Result<EncodedMesh> encoded = encode_mesh(*mesh, encode_options(codec_, node(place).step_m));
+    Result<EncodedMesh> encoded =
+        encode_mesh(*mesh, encode_options(codec_, node(place).step_m, fine_step_m(bytes.mesh)));
     if (!encoded.ok())
       bytes.error = encoded.error();
     else
