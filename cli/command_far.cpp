@@ -42,11 +42,29 @@ void add_far_options(CLI::App& group, FarOptions& o) {
                   "Largest parallax of what is far, from anywhere in its view cell, degrees")
       ->capture_default_str();
   group
-      .add_option("--far-box", o.box_m, "Length of the box within which geometry is drawn, m (0: a third of the model)")
+      .add_option("--far-box", o.box_m, "Length of the box within which geometry is drawn, m (0: a sixth of the model)")
       ->capture_default_str();
   group
       .add_option("--far-cell", o.cell_m,
                   "Length of a view cell, m (0: what flat pictures allow; with depth four times that)")
+      ->capture_default_str();
+  group
+      .add_option(
+          "--far-shells", o.shells,
+          "Boxes around each other: pictures of what lies between two, those of the outer ones for many view cells")
+      ->capture_default_str();
+  group
+      .add_option_function<std::string>(
+          "--far-spacing",
+          [&o](const std::string& how) {
+            o.spacing = how == "linear" ? ShellSpacing::linear : ShellSpacing::exponential;
+          },
+          "How their boxes grow: linear (each --far-factor times as long) or exponential (each to the power of it)")
+      ->check(CLI::IsMember({"linear", "exponential"}))
+      ->default_str("linear");
+  group
+      .add_option("--far-factor", o.spacing_factor,
+                  "By what they grow (0: evenly from the innermost towards the model's size)")
       ->capture_default_str();
   group.add_flag("!--far-flat", o.depth, "Pictures lie flat on the box's sides: small view cells, no depths");
   group.add_option("--far-side", o.side_px, "Pixels of a picture's side, 2^n + 1 (0: by the bound, 513 or 1025)")
@@ -75,6 +93,10 @@ void add_far_options(CLI::App& group, FarOptions& o) {
 }
 
 Json json_of(const FarFigures& f) {
+  Json shells = Json::array();
+  for (const FarShellFigures& s : f.shells)
+    shells.push_back(
+        {{"box_m", s.box_m}, {"cell_m", s.cell_m}, {"cells", s.cells}, {"faces", s.faces}, {"bytes", s.bytes}});
   return {{"cells", f.cells},
           {"cells_with_pictures", f.cells_with_pictures},
           {"faces", f.faces},
@@ -87,7 +109,8 @@ Json json_of(const FarFigures& f) {
           {"bytes_mean", f.bytes_mean},
           {"texel_bytes_mean", f.texel_bytes_mean},
           {"ms_per_cell", f.ms_per_cell},
-          {"cells_computed", f.cells_computed}};
+          {"cells_computed", f.cells_computed},
+          {"shells", std::move(shells)}};
 }
 
 void print_far(const FarFigures& far) {
@@ -96,6 +119,10 @@ void print_far(const FarFigures& far) {
       "degrees off at most, {:.0f} ms a cell\n",
       far.cells_with_pictures, far.cell_m, far.box_m, far.triangles_mean,
       human_bytes(static_cast<uint64_t>(far.bytes_mean)), glm::degrees(far.parallax_max_rad), far.ms_per_cell);
+  if (far.shells.size() < 2) return;
+  for (const FarShellFigures& shell : far.shells)
+    fmt::print("    shell of {:.0f} m: {} cells of {:.1f} m, {}\n", shell.box_m, shell.cells, shell.cell_m,
+               human_bytes(shell.bytes));
 }
 
 Command add_far(CLI::App& program) {

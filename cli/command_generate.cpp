@@ -89,6 +89,8 @@ void add_city_options(CLI::App& app, GenerateArguments& arguments) {
       ->capture_default_str();
   app.add_option("--moving", city.moving, "Cars that drive around blocks: animated objects, besides --triangles")
       ->capture_default_str();
+  app.add_flag("--plain", city.plain,
+               "Buildings without windows, streets with trees alone: a few hundred triangles a building");
   app.add_flag("--interiors", city.interiors, "Furnished rooms behind the windows");
   app.add_option("--texture-megapixels", city.texture_megapixels,
                  "Unique facade textures, all together (0: colours only)")

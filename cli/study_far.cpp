@@ -224,7 +224,7 @@ Command add_study_far(CLI::App& study) {
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app->add_option("--far-bound", arguments->far.bound_deg, "Largest parallax, degrees")->capture_default_str();
-  app->add_option("--far-box", arguments->far.box_m, "Length of the box, m (0: a third of the model)")
+  app->add_option("--far-box", arguments->far.box_m, "Length of the box, m (0: a sixth of the model)")
       ->capture_default_str();
   app->add_option("--far-side", arguments->far.side_px, "Pixels of a picture's side, 2^n + 1 (0: by the bound)")
       ->capture_default_str();

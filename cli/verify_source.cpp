@@ -9,7 +9,6 @@
 #include "cli/picture.h"
 #include "cli/source_renderer.h"
 #include "cli/view_options.h"
-#include "codec/far_mesh.h"
 #include "preprocess/visibility/eyes.h"
 #include "preprocess/visibility/node_meshes.h"
 #include "preprocess/visibility/study_cells.h"
@@ -93,23 +92,24 @@ Result<std::vector<Camera>> path_cameras(const VerifySourceOptions& options) {
   return cameras;
 }
 
-/// The sides of the far picture of an eye's cell. Metres, model space.
+/// The sides of the far pictures around an eye's cell. Metres, model space.
 Status add_far_surface(const ModelSource& source, const glm::dvec3& eye, std::vector<glm::vec3>& positions,
                        std::vector<uint32_t>& indices) {
   const FarTables& tables = *source.far();
-  const std::optional<FarCellId> cell = far_cell_at(tables, eye);
-  if (!cell) return Done{};
-  const FarCellRecord& record = tables.cells[index_of(*cell)];
+  const std::optional<FarCellId> innermost = far_cell_at(tables, eye);
+  if (!innermost) return Done{};
   FarKey key;
-  for (uint32_t face = record.first_face; face < record.first_face + record.face_count; ++face) {
-    const Result<FarFace> side = read_far_side(source, *cell, face, key);
-    if (!side) return side.error();
-    const Mesh mesh =
-        far_mesh(*side, {cell_box(tables, *cell).center(), tables.box_m, tables.faces[face].side, tables.has_depth});
-    const auto first = static_cast<uint32_t>(positions.size());
-    positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
-    indices.reserve(indices.size() + mesh.indices.size());
-    for (const uint32_t i : mesh.indices) indices.push_back(first + i);
+  for (const FarCellId cell : chain_of(tables, *innermost)) {
+    const FarCellRecord& record = tables.cells[index_of(cell)];
+    for (uint32_t face = record.first_face; face < record.first_face + record.face_count; ++face) {
+      const Result<FarFace> side = read_far_side(source, cell, face, key);
+      if (!side) return side.error();
+      const Mesh mesh = far_mesh(*side, place_of_far_side(tables, cell, face));
+      const auto first = static_cast<uint32_t>(positions.size());
+      positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
+      indices.reserve(indices.size() + mesh.indices.size());
+      for (const uint32_t i : mesh.indices) indices.push_back(first + i);
+    }
   }
   return Done{};
 }

@@ -70,6 +70,8 @@ Status check(const CityOptions& o) {
         fmt::format("city: tiles of {} triangles are too small: at least {}", o.tile_triangles, kFewestTriangles)};
   if (o.moving > kMostMoving)
     return Error{fmt::format("city: {} moving cars are too many: at most {}", o.moving, kMostMoving)};
+  if (o.plain && (o.interiors || o.texture_megapixels > 0))
+    return Error{"city: plain buildings have neither interiors nor textures"};
   if (o.blocks_x > kMostBlocks || o.blocks_y > kMostBlocks || uint64_t(o.blocks_x) * o.blocks_y > kMostBlocks)
     return Error{fmt::format("city: {} x {} blocks are too many: at most {}", o.blocks_x, o.blocks_y, kMostBlocks)};
   const double narrow = std::min(o.block_length_m, o.block_width_m);

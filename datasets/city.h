@@ -26,6 +26,7 @@ struct CityOptions {
   double curb_width_m = 2.5, curb_height_m = 0.15;
   double tree_distance_m = 12;          ///< 0: no trees
   uint32_t moving = 0;                  ///< cars that drive: animated objects, beyond `triangles`
+  bool plain = false;                   ///< [xiong1996]'s: bands of colour, dividers; on the streets trees alone
   bool interiors = false;               ///< furnished rooms behind the windows
   double texture_megapixels = 0;        ///< unique facade textures, all together; 0: colours only
   uint64_t tile_triangles = 1'000'000;  ///< a city larger than this is written as a folder of tiles of about this size

@@ -117,6 +117,7 @@ class HouseBuilder {
   std::vector<Segment> segments(float walls_top) const;
   void build_segment(const Segment& segment, bool ground, bool last);
   void build_walls(const Segment& segment, bool ground);
+  void build_bands(const Segment& segment, bool ground);
   void build_ledges(const Segment& segment, bool ground, bool last);
   void build_inside(const Segment& segment);
   float snapped(float height, bool ground) const;
@@ -172,8 +173,8 @@ void HouseBuilder::build() {
   style_ = style_of(plan_.cylindrical && random.chance(0.5) ? Character::office : character, random.fork(4));
   const double blended = options_.detail * 1.2 + random.unit();
   tier_ = std::clamp(static_cast<int>(std::floor(blended)), 0, kMaxTier);
-  see_through_ =
-      !options_.textured && !options_.interiors && character == Character::glass_tower && random.chance(0.12);
+  see_through_ = !options_.textured && !options_.interiors && !options_.plain && character == Character::glass_tower &&
+                 random.chance(0.12);
   dividers_ = random.chance(character == Character::glass_tower ? 0.35 : 0.5);
   const RoofKind roof =
       choose_roof(plan_.footprint, plan_.cylindrical, plan_.height_m, character == Character::house, random.fork(5));
@@ -201,12 +202,31 @@ void HouseBuilder::build() {
 }
 
 void HouseBuilder::build_segment(const Segment& segment, bool ground, bool last) {
-  build_walls(segment, ground);
+  if (options_.plain)
+    build_bands(segment, ground);
+  else
+    build_walls(segment, ground);
   if (see_through_) build_inside(segment);
   build_ledges(segment, ground, last);
   if (last) return;
   paint(rgb(122, 118, 112));
   shape_.cap(segment.outline, segment.top);
+}
+
+/// A building of [xiong1996]'s: floor upon floor, in one colour or in two by turns.
+void HouseBuilder::build_bands(const Segment& segment, bool ground) {
+  constexpr float kBelowGroundM = 0.2F;
+  const bool alternating = random_.fork(10).chance(0.5);
+  float z = ground ? -kBelowGroundM : segment.bottom;
+  for (int floor = 0; z < segment.top; ++floor) {
+    const float wish =
+        segment.bottom + (ground ? style_.ground_floor_m : style_.floor_m) + float(floor) * style_.floor_m;
+    const float top = segment.top - wish < style_.floor_m / 2 ? segment.top : wish;
+    paint(alternating && floor % 2 == 1 ? style_.trim : style_.wall);
+    const std::array<glm::vec2, 2> band = {glm::vec2(0, z), {0, top}};
+    shape_.ring(segment.outline, band);
+    z = top;
+  }
 }
 
 void HouseBuilder::build_walls(const Segment& segment, bool ground) {
@@ -238,13 +258,14 @@ void HouseBuilder::build_walls(const Segment& segment, bool ground) {
 void HouseBuilder::build_ledges(const Segment& segment, bool ground, bool last) {
   paint(style_.trim);
   const float top = segment.top;
-  if (tier_ > 0 && ground && plan_.height_m > 9) {
+  if (tier_ > 0 && ground && plan_.height_m > 9 && !options_.plain) {
     const float z = std::min(style_.ground_floor_m, top - 0.5F);
     const std::array<glm::vec2, 4> ledge = {
         glm::vec2(0, z - 0.15F), {0.14F, z - 0.05F}, {0.14F, z + 0.08F}, {0, z + 0.1F}};
     shape_.ring(segment.outline, ledge);
   }
-  if (dividers_ && tier_ < 2 + static_cast<int>(random_.fork(9).next() % 2 == 0 ? 9 : 0)) {
+  if (dividers_ && (tier_ > 0 || !options_.plain) &&
+      tier_ < 2 + static_cast<int>(random_.fork(9).next() % 2 == 0 ? 9 : 0)) {
     for (float z = segment.bottom + (ground ? style_.ground_floor_m : style_.floor_m) + (ground ? style_.floor_m : 0);
          z < top - 1; z += style_.floor_m) {
       const std::array<glm::vec2, 4> divider = {
@@ -252,7 +273,7 @@ void HouseBuilder::build_ledges(const Segment& segment, bool ground, bool last) 
       shape_.ring(segment.outline, divider);
     }
   }
-  if (!last && tier_ > 0) {
+  if (!last && tier_ > 0 && !options_.plain) {
     const std::array<glm::vec2, 5> parapet = {
         glm::vec2(0, top - 0.3F), {0.12F, top - 0.1F}, {0.12F, top + 0.45F}, {-0.15F, top + 0.45F}, {-0.15F, top}};
     shape_.ring(segment.outline, parapet);

@@ -7,16 +7,15 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
-#include "geometry/triangle_frame.h"
-
 namespace promenade {
 
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr size_t kBins = 16;
+constexpr size_t kWidth = kLanes;  // boxes a node
+constexpr uint32_t kLeafBit = BoxTreeNode::kLeafBit;
 constexpr uint32_t kMaxUnbalancedDepth = 24;  // bounds the query's stack: deeper nodes are cut at the median
-constexpr size_t kStackSize = 512;            // 7 left behind at each of at most 24 + log8(2^32) levels, and 8
 
 float half_area(const Box& box) {
   const glm::vec3 s = box.size();
@@ -166,7 +165,7 @@ struct ClosestPointTree::Builder {
       } else if (i < count) {
         child = build_node(parts[i], depth + 1);
       }
-      Node& node = tree.nodes_[index];
+      BoxTreeNode& node = tree.nodes_[index];
       const Box box = i < count ? parts[i].box : Box{glm::vec3(kInfinity), glm::vec3(kInfinity)};
       node.min_x[i] = box.min.x, node.min_y[i] = box.min.y, node.min_z[i] = box.min.z;
       node.max_x[i] = box.max.x, node.max_y[i] = box.max.y, node.max_z[i] = box.max.z;
@@ -180,7 +179,7 @@ struct ClosestPointTree::Builder {
     uint32_t blocks = 0;
     for (uint32_t begin = range.begin; begin < range.end; begin += kLanes, ++blocks) {
       tree.blocks_.emplace_back();
-      Block& block = tree.blocks_.back();
+      TriangleBlock& block = tree.blocks_.back();
       for (uint32_t lane = 0; lane < kLanes; ++lane) {
         const uint32_t item = std::min(begin + lane, range.end - 1);  // spare lanes repeat the last triangle
         set_lane(block, lane, items[item].triangle);
@@ -192,7 +191,7 @@ struct ClosestPointTree::Builder {
     return blocks;
   }
 
-  void set_lane(Block& block, size_t lane, uint32_t triangle) const {
+  void set_lane(TriangleBlock& block, size_t lane, uint32_t triangle) const {
     std::array<glm::dvec3, 3> p;
     for (size_t c = 0; c < 3; ++c) p[c] = glm::dvec3(positions[indices[size_t(triangle) * 3 + c]]);
     const std::array<double, 3> edge2 = {glm::dot(p[1] - p[0], p[1] - p[0]), glm::dot(p[2] - p[1], p[2] - p[1]),
@@ -241,47 +240,6 @@ bool is_visible(const ClosestPointTree::Limits& limits, uint32_t triangle) {
 
 }  // namespace
 
-struct ClosestPointTree::Query {
-  Lanes x, y, z;
-  explicit Query(const glm::vec3& p) : x(_mm_set1_ps(p.x)), y(_mm_set1_ps(p.y)), z(_mm_set1_ps(p.z)) {}
-
-  /// Squared distances to triangles `first` to `first + 3` of a block.
-  Lanes to_triangles(const Block& b, size_t first) const {
-    const auto at = [first](const float(&values)[kLanes]) { return _mm_load_ps(values + first); };
-    const Lanes dx = x - at(b.origin_x), dy = y - at(b.origin_y), dz = z - at(b.origin_z);
-    return distance2_in_frame(dx * at(b.x_x) + dy * at(b.x_y) + dz * at(b.x_z),
-                              dx * at(b.y_x) + dy * at(b.y_y) + dz * at(b.y_z),
-                              dx * at(b.z_x) + dy * at(b.z_y) + dz * at(b.z_z), at(b.base), at(b.apex_x), at(b.apex_y),
-                              at(b.inverse_left2), at(b.inverse_right2));
-  }
-
-  /// Squared distances to boxes `first` to `first + 3` of a node.
-  Lanes to_boxes(const Node& n, size_t first) const {
-    const auto outside = [first](Lanes p, const float(&low)[kWidth], const float(&high)[kWidth]) {
-      const Lanes d = upper(_mm_load_ps(low + first) - p, p - _mm_load_ps(high + first));
-      return upper(d, _mm_setzero_ps());
-    };
-    const Lanes dx = outside(x, n.min_x, n.max_x), dy = outside(y, n.min_y, n.max_y), dz = outside(z, n.min_z, n.max_z);
-    return dx * dx + dy * dy + dz * dz;
-  }
-};
-
-void ClosestPointTree::search_leaf(uint32_t first, uint32_t blocks, const Query& query, const Limits& limits,
-                                   Nearest& best) const {
-  for (uint32_t b = first; b < first + blocks; ++b) {
-    const Lanes low = query.to_triangles(blocks_[b], 0);
-    const Lanes high = query.to_triangles(blocks_[b], 4);
-    const Lanes limit = _mm_set1_ps(best.distance2_m2);
-    if (_mm_movemask_ps(_mm_cmplt_ps(lower(low, high), limit)) == 0) continue;
-    alignas(16) float d2[kLanes];
-    _mm_store_ps(d2, low);
-    _mm_store_ps(d2 + 4, high);
-    for (size_t i = 0; i < kLanes; ++i)
-      if (d2[i] < best.distance2_m2 && is_visible(limits, blocks_[b].triangle[i]))
-        best = {d2[i], blocks_[b].triangle[i]};
-  }
-}
-
 ClosestPointTree::Nearest ClosestPointTree::nearest(const glm::vec3& p, const Limits& limits) const {
   Nearest best{limits.max_distance2_m2, kNoTriangle};
   if (nodes_.empty()) return best;
@@ -289,53 +247,28 @@ ClosestPointTree::Nearest ClosestPointTree::nearest(const glm::vec3& p, const Li
     const float d2 = distance2_to(limits.hint, p);
     if (d2 < best.distance2_m2) best = {d2, limits.hint};
   }
-  const Query query(p);
-  struct Entry {
-    float distance2;
-    uint32_t child;
-    uint32_t blocks;
-  };
-  std::array<Entry, kStackSize> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init): only what is pushed is read
-  size_t top = 0;
-  stack[top++] = {0, 0, 0};
-  while (top > 0) {
-    const Entry entry = stack[--top];
-    if (entry.distance2 >= best.distance2_m2) continue;
-    if (best.distance2_m2 <= limits.enough_distance2_m2 && best.triangle != kNoTriangle) break;
-    if ((entry.child & kLeafBit) != 0) {
-      search_leaf(entry.child & ~kLeafBit, entry.blocks, query, limits, best);
-      continue;
-    }
-    const Node& node = nodes_[entry.child];
-    alignas(16) float d2[kWidth];
-    const Lanes limit = _mm_set1_ps(best.distance2_m2);
-    const Lanes low = query.to_boxes(node, 0);
-    const Lanes high = query.to_boxes(node, 4);
-    _mm_store_ps(d2, low);
-    _mm_store_ps(d2 + 4, high);
-    auto nearer = static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(low, limit)) |
-                                        (_mm_movemask_ps(_mm_cmplt_ps(high, limit)) << 4));
-    const size_t base = top;
-    for (; nearer != 0; nearer &= nearer - 1) {
-      const auto i = static_cast<size_t>(std::countr_zero(nearer));
-      size_t at = top++;
-      for (; at > base && stack[at - 1].distance2 < d2[i]; --at) stack[at] = stack[at - 1];  // nearest on top
-      stack[at] = {d2[i], node.child[i], node.blocks[i]};
-    }
-  }
-  return best;
+  TreeSearch search{.nodes = nodes_.data(),
+                    .blocks = blocks_.data(),
+                    .point = {p.x, p.y, p.z},
+                    .enough_distance2 = limits.enough_distance2_m2,
+                    .group_of_triangle = limits.group_of_triangle,
+                    .group_hidden = limits.group_hidden,
+                    .distance2 = best.distance2_m2,
+                    .triangle = best.triangle};
+  triangle_kernels().search(search);
+  return {search.distance2, search.triangle};
 }
 
 float ClosestPointTree::distance2_to(uint32_t triangle, const glm::vec3& p) const {
   const uint32_t slot = slot_of_triangle_[triangle];
-  alignas(16) float d2[4];
-  _mm_store_ps(d2, Query(p).to_triangles(blocks_[slot / kLanes], slot % kLanes / 4 * 4));
-  return d2[slot % 4];
+  alignas(32) float d2[kLanes];
+  triangle_kernels().distances(blocks_[slot / kLanes], &p.x, d2);
+  return d2[slot % kLanes];
 }
 
 ClosestPoint ClosestPointTree::closest_on(uint32_t triangle, const glm::vec3& p) const {
   const uint32_t slot = slot_of_triangle_[triangle];
-  const Block& block = blocks_[slot / kLanes];
+  const TriangleBlock& block = blocks_[slot / kLanes];
   const size_t i = slot % kLanes;
   const glm::vec3 origin(block.origin_x[i], block.origin_y[i], block.origin_z[i]);
   const glm::vec3 x_axis(block.x_x[i], block.x_y[i], block.x_z[i]);

@@ -9,6 +9,7 @@
 
 #include "geometry/box.h"
 #include "geometry/mesh.h"
+#include "geometry/triangle_kernels.h"
 
 namespace promenade {
 
@@ -69,39 +70,12 @@ class ClosestPointTree {
   ClosestPoint closest_on(uint32_t triangle, const glm::vec3& p) const;
 
  private:
-  static constexpr size_t kWidth = 8;        // boxes a node
-  static constexpr size_t kLanes = 8;        // triangles a block
   static constexpr uint32_t kLeafSize = 16;  // triangles a leaf: measured, see bench_closest_point
-  static constexpr uint32_t kLeafBit = 1U << 31U;
-
-  /// Eight children's boxes; unused ones are empty (infinitely far away).
-  struct alignas(16) Node {
-    float min_x[kWidth], min_y[kWidth], min_z[kWidth];
-    float max_x[kWidth], max_y[kWidth], max_z[kWidth];
-    uint32_t child[kWidth];   // a node, or kLeafBit | first block
-    uint32_t blocks[kWidth];  // of a leaf
-  };
-
-  /// Eight triangles, each in its own frame: origin at a corner, x along the longest edge (length `base`), y across it
-  /// towards the apex (apex_x, apex_y), z along the normal. Computed in double, so that slivers have good frames.
-  struct alignas(16) Block {
-    float origin_x[kLanes], origin_y[kLanes], origin_z[kLanes];
-    float x_x[kLanes], x_y[kLanes], x_z[kLanes];
-    float y_x[kLanes], y_y[kLanes], y_z[kLanes];
-    float z_x[kLanes], z_y[kLanes], z_z[kLanes];
-    float base[kLanes], apex_x[kLanes], apex_y[kLanes];
-    float inverse_left2[kLanes];   // 1 / squared length of the edge origin-apex, 0 if it has none
-    float inverse_right2[kLanes];  // of the edge base-apex
-    uint32_t triangle[kLanes];
-    uint32_t turn[kLanes];  // which corner of the triangle the origin is
-  };
 
   struct Builder;
-  struct Query;
-  void search_leaf(uint32_t first, uint32_t blocks, const Query& query, const Limits& limits, Nearest& best) const;
 
-  std::vector<Node> nodes_;
-  std::vector<Block> blocks_;
+  std::vector<BoxTreeNode> nodes_;
+  std::vector<TriangleBlock> blocks_;  // in frames along the longest edges, computed in double: slivers have good ones
   std::vector<uint32_t> slot_of_triangle_;  // block * kLanes + lane
   Box bounds_;
 };

@@ -15,9 +15,9 @@ namespace promenade {
 namespace {
 
 constexpr std::string_view kMagic = "PROMFARP";
-constexpr uint32_t kVersion = 1;
-constexpr uint64_t kListOffset = 96, kHeaderBytes = 168;
-constexpr std::array<SectionKind, 2> kSections = {{{"far cells", 20}, {"far faces", 28}}};
+constexpr uint32_t kVersion = 2;
+constexpr uint64_t kListOffset = 96, kHeaderBytes = 200;
+constexpr std::array<SectionKind, 3> kSections = {{{"far cells", 20}, {"far faces", 28}, {"far shells", 16}}};
 
 struct FarFile {
   CellsOwner owner;
@@ -37,6 +37,12 @@ void put(ByteWriter& w, const FarFaceRecord& f) {
 void get(ByteReader& r, FarFaceRecord& f) {
   f.offset = r.get<uint64_t>(), f.stored_bytes = r.get<uint32_t>(), f.side = r.get<uint32_t>();
   f.triangles = r.get<uint32_t>(), f.checksum = r.get<uint64_t>();
+}
+
+void put(ByteWriter& w, const FarOuterShell& s) { w.put(s.box_m), w.put(s.times), w.put(uint32_t(0)); }
+void get(ByteReader& r, FarOuterShell& s) {
+  s.box_m = r.get<double>(), s.times = r.get<uint32_t>();
+  static_cast<void>(r.get<uint32_t>());
 }
 
 std::vector<std::byte> header_of(const FarFile& file, std::span<const std::byte> list) {
@@ -101,7 +107,7 @@ Result<FarFile> read_tables(const RandomAccessFile& file) {
   PROMENADE_TRY(file.read(0, header));
   PROMENADE_TRY(check_header(header));
   ByteReader list(std::span<const std::byte>(header).subspan(kListOffset));
-  const SectionEntry cells = get_section_entry(list), faces = get_section_entry(list);
+  const SectionEntry cells = get_section_entry(list), faces = get_section_entry(list), shells = get_section_entry(list);
   if (cells.offset < kHeaderBytes || cells.offset % kSectionAlignment != 0 || cells.offset > file.size())
     return Error{fmt::format("header: sections @{:#x} of {:#x} bytes", cells.offset, file.size())};
   std::vector<std::byte> sections(file.size() - cells.offset);
@@ -110,6 +116,7 @@ Result<FarFile> read_tables(const RandomAccessFile& file) {
   SectionReader reader(sections, cells.offset);
   PROMENADE_TRY(reader.read(cells, kSections[0], read.tables.cells, [](ByteReader& r, auto& e) { get(r, e); }));
   PROMENADE_TRY(reader.read(faces, kSections[1], read.tables.faces, [](ByteReader& r, auto& e) { get(r, e); }));
+  PROMENADE_TRY(reader.read(shells, kSections[2], read.tables.outer, [](ByteReader& r, auto& e) { get(r, e); }));
   PROMENADE_TRY(reader.finish());
   std::string defect = find_defect(read.tables);
   if (defect.empty()) defect = find_range_defect(read.tables, cells.offset);
@@ -166,6 +173,7 @@ Result<uint64_t> write_far(const std::filesystem::path& path, FarTables tables, 
   SectionWriter writer(file->size());
   writer.add(list, kSections[0], tables.cells, [](ByteWriter& w, const auto& entry) { put(w, entry); });
   writer.add(list, kSections[1], tables.faces, [](ByteWriter& w, const auto& entry) { put(w, entry); });
+  writer.add(list, kSections[2], tables.outer, [](ByteWriter& w, const auto& entry) { put(w, entry); });
   PROMENADE_TRY(file->write(writer.take()));
   PROMENADE_TRY(file->write_at(0, header_of({owner, std::move(tables)}, list.bytes())));
   const uint64_t bytes = file->size();

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "geometry/closest_point.h"
 #include "preprocess/charts.h"
@@ -18,7 +19,8 @@
 namespace promenade {
 namespace {
 
-constexpr float kReach = 0.75F;  // texels: how far outside its triangle a texel's centre may lie and still ask
+constexpr float kReach = 0.75F;   // texels: how far outside its triangle a texel's centre may lie and still ask
+constexpr float kWithin = 1e-4F;  // least weight of a corner at a point that is not on an edge
 constexpr uint32_t kNone = 0xffffffffU;
 constexpr int kEdgeContrast = 24;      // of 255: what one look may be off without anyone seeing it
 constexpr float kClearWeight = 1e-3F;  // clear looks keep a say in the colour
@@ -138,7 +140,8 @@ class DetailedSurface {
     hint_ = kNoTriangle;
   }
 
-  Light seen_at(const glm::vec3& p) {
+  /// What is there, and how it lets through what is behind it.
+  std::pair<Light, AlphaMode> seen_at(const glm::vec3& p) {
     ClosestPointTree::Limits limits;
     limits.hint = hint_;
     limits.group_of_triangle = direction_.data();
@@ -152,7 +155,7 @@ class DetailedSurface {
       if (found.triangle == kNoTriangle || any.distance2_m2 < kMuchNearer2 * found.distance2_m2) found = any;
     }
     hint_ = found.triangle;
-    return look(found);
+    return {look(found), sampler_.alpha_of(mesh_.material_of(found.triangle))};
   }
 
  private:
@@ -180,7 +183,10 @@ class DetailedSurface {
                  Light(srgb_to_linear(v.r), srgb_to_linear(v.g), srgb_to_linear(v.b), float(v.a) / 255.0F);
       }
     }
-    return color * sampler_.at(mesh_.material_of(at.triangle), texcoord, footprint_uv_[at.triangle]);
+    const uint32_t material = mesh_.material_of(at.triangle);
+    color *= sampler_.at(material, texcoord, footprint_uv_[at.triangle]);
+    if (sampler_.alpha_of(material) == AlphaMode::opaque) color.a = 1;  // whatever its vertices say
+    return color;
   }
 
   const Mesh& mesh_;
@@ -198,7 +204,9 @@ class DetailedSurface {
 class Painter {
  public:
   Painter(const Mesh& mesh, const AtlasLayout& layout, DetailedSurface& surface, BakedMesh& out)
-      : mesh_(mesh), layout_(layout), surface_(surface), out_(out) {}
+      : mesh_(mesh), layout_(layout), surface_(surface), out_(out), has_texels_(mesh.triangle_count(), 0) {
+    out_.alpha.assign(mesh.triangle_count(), AlphaMode::opaque);
+  }
 
   void paint(size_t index, const Chart& chart) {
     const AtlasPlace& place = layout_.places[index];
@@ -208,11 +216,20 @@ class Painter {
     surface_.face(glm::cross(chart.right, chart.down));
     for (uint32_t i = 0; i < covers_.size(); ++i) {
       if (covers_[i].triangle == kNone) continue;
-      put(place, i, surface_.seen_at(point_of(covers_[i])));
+      const auto [light, alpha] = surface_.seen_at(point_of(covers_[i]));
+      put(place, i, light);
+      // What lies on its edge may be its neighbour's.
+      const glm::vec2& w = covers_[i].weights;
+      if (std::min({w.x, w.y, 1 - w.x - w.y}) > kWithin) note(covers_[i].triangle, light, alpha);
       painted.push_back(i);
     }
     refine(chart, place, painted);
     spread(place, painted);
+    for (const uint32_t t : chart.triangles) {
+      if (has_texels_[t] != 0) continue;
+      const auto [light, alpha] = surface_.seen_at(point_of({t, 0, glm::vec2(1.0F / 3)}));
+      note(t, light, alpha);
+    }
   }
 
  private:
@@ -234,7 +251,7 @@ class Painter {
       const glm::vec3 middle = point_of(covers_[i]);
       glm::vec4 sum(0);
       for (const glm::vec2& off : {glm::vec2(-1, -1), glm::vec2(1, -1), glm::vec2(-1, 1), glm::vec2(1, 1)}) {
-        const Light light = surface_.seen_at(middle + quarter_m * (off.x * chart.right + off.y * chart.down));
+        const Light light = surface_.seen_at(middle + quarter_m * (off.x * chart.right + off.y * chart.down)).first;
         const float weight = light.a + kClearWeight;
         sum += glm::vec4(glm::vec3(light) * weight, weight);
       }
@@ -248,8 +265,17 @@ class Painter {
     return std::max({difference.r, difference.g, difference.b, difference.a}) > kEdgeContrast;
   }
 
+  static uint8_t opacity_of(const Light& light) {
+    return static_cast<uint8_t>(std::lround(std::clamp(light.a, 0.0F, 1.0F) * 255.0F));
+  }
+
+  void note(uint32_t triangle, const Light& light, AlphaMode alpha) {
+    has_texels_[triangle] = 1;
+    if (opacity_of(light) < 255) out_.alpha[triangle] = std::max(out_.alpha[triangle], alpha);
+  }
+
   void put(const AtlasPlace& place, uint32_t i, const Light& light) {
-    const auto opacity = static_cast<uint8_t>(std::lround(std::clamp(light.a, 0.0F, 1.0F) * 255.0F));
+    const uint8_t opacity = opacity_of(light);
     texel(place, i) = {srgb_(light.r), srgb_(light.g), srgb_(light.b), opacity};
     out_.has_opacity = out_.has_opacity || opacity < 255;
   }
@@ -306,6 +332,7 @@ class Painter {
   BakedMesh& out_;
   SrgbEncoder srgb_;
   std::vector<Cover> covers_;
+  std::vector<uint8_t> has_texels_;  // by triangle; or a look at its centroid
 };
 
 /// The mesh with a vertex for each chart that one lies in.

@@ -4,11 +4,15 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "geometry/mesh.h"
 #include "geometry/result.h"
 
 namespace promenade {
+
+/// In texels: a point lies at most half a texel's diagonal from the texel's centre.
+constexpr double kTexelReach = 0.7072;
 
 struct BakeOptions {
   /// Wanted side of a texel on the surface, in metres, > 0. Smaller: sharper and larger atlases.
@@ -28,6 +32,9 @@ struct BakedMesh {
   Image atlas;
   double texel_m = 0;        ///< what the texel's side came to, at least what was wanted
   bool has_opacity = false;  ///< some texel inside a chart has opacity below 255
+  /// By triangle: opaque where the middles of all its texels are (its centroid, where it has none), otherwise what lets
+  /// them be seen through (blend before mask).
+  std::vector<AlphaMode> alpha;
 };
 
 /// Bakes materials, vertex colours and textures of `detailed` (the children's meshes together, find_defect empty) onto

@@ -1,6 +1,7 @@
 #include "preprocess/border.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <unordered_map>
@@ -50,12 +51,15 @@ std::vector<Border> find_borders(const Mesh& mesh, std::span<const std::span<con
   std::unordered_map<uint64_t, Sharing> edges;
   const auto each_edge = [&](const auto& visit) {
     for (uint32_t leaf = 0; leaf < leaves.size(); ++leaf)
-      for (uint32_t i = 0; i < leaves[leaf].size(); ++i)
+      for (uint32_t i = 0; i < leaves[leaf].size(); ++i) {
+        const uint32_t first = leaves[leaf][i] * 3;
+        const std::array<uint32_t, 3> p{place(first), place(first + 1), place(first + 2)};
+        if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) continue;
         for (uint32_t c = 0; c < 3; ++c) {
-          const uint32_t corner = leaves[leaf][i] * 3 + c;
-          const uint32_t from = place(corner), to = place(next_in_triangle(corner));
-          if (leaf_at[from] == kMany && leaf_at[to] == kMany && from != to) visit(leaf, 3 * i + c, from, to);
+          const uint32_t from = p[c], to = p[(c + 1) % 3];
+          if (leaf_at[from] == kMany && leaf_at[to] == kMany) visit(leaf, 3 * i + c, from, to);
         }
+      }
   };
   // An edge of one leaf's triangles only is a border where it is open and near a side; one that several leaves have is
   // for those that have it once.

@@ -5,12 +5,11 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "geometry/triangle_frame.h"
-
 namespace promenade {
 
 namespace {
 
+using Four = __m128;  // lanes: g++ and clang give it the arithmetic operators
 constexpr uint32_t kNone = WorkMesh::kNone;
 /// The hub of a larger fan waits until its spokes have gone: looking at all its targets takes the square of their
 /// number.
@@ -137,32 +136,32 @@ void Collapser::find_lines(uint32_t place) {
 /// For all targets in the ring, which has been found, four at a time.
 void Collapser::estimate_ring(uint32_t place) {
   find_lines(place);
-  const size_t groups = (ring_.size() + kLanes - 1) / kLanes;
+  const size_t groups = (ring_.size() + kAtOnce - 1) / kAtOnce;
   estimates_.resize(groups);
   const glm::vec3 from = work_.positions[place];
   for (size_t g = 0; g < groups; ++g) {
-    alignas(16) float steps[3][kLanes];
-    for (size_t i = 0; i < kLanes; ++i) {
-      const glm::vec3 step = work_.positions[ring_[std::min(g * kLanes + i, ring_.size() - 1)].place] - from;
+    alignas(16) float steps[3][kAtOnce];
+    for (size_t i = 0; i < kAtOnce; ++i) {
+      const glm::vec3 step = work_.positions[ring_[std::min(g * kAtOnce + i, ring_.size() - 1)].place] - from;
       steps[0][i] = step.x, steps[1][i] = step.y, steps[2][i] = step.z;
     }
-    const Lanes x = _mm_load_ps(steps[0]), y = _mm_load_ps(steps[1]), z = _mm_load_ps(steps[2]);
+    const Four x = _mm_load_ps(steps[0]), y = _mm_load_ps(steps[1]), z = _mm_load_ps(steps[2]);
     const auto along = [&](const glm::vec3& d) {
       return x * _mm_set1_ps(d.x) + y * _mm_set1_ps(d.y) + z * _mm_set1_ps(d.z);
     };
-    const Lanes length2 = x * x + y * y + z * z;
-    Lanes planes2 = _mm_setzero_ps();
+    const Four length2 = x * x + y * y + z * z;
+    Four planes2 = _mm_setzero_ps();
     for (const uint32_t c : fan_) {
-      const Lanes off = along(normals_[triangle_of(c)]);
-      planes2 = upper(planes2, off * off);
+      const Four off = along(normals_[triangle_of(c)]);
+      planes2 = _mm_max_ps(planes2, off * off);
     }
-    Lanes lines2 = _mm_setzero_ps();
+    Four lines2 = _mm_setzero_ps();
     for (const Line& line : lines_) {
-      const Lanes on = along(line.direction);
-      lines2 = upper(lines2, (length2 - on * on) * _mm_set1_ps(line.weight * line.weight));
+      const Four on = along(line.direction);
+      lines2 = _mm_max_ps(lines2, (length2 - on * on) * _mm_set1_ps(line.weight * line.weight));
     }
-    const Lanes distance2 = upper(planes2 * _mm_set1_ps(kPlaneWeight * kPlaneWeight), lines2);
-    const Lanes estimate = _mm_sqrt_ps(distance2) + _mm_set1_ps(kLengthWeight) * _mm_sqrt_ps(length2);
+    const Four distance2 = _mm_max_ps(planes2 * _mm_set1_ps(kPlaneWeight * kPlaneWeight), lines2);
+    const Four estimate = _mm_sqrt_ps(distance2) + _mm_set1_ps(kLengthWeight) * _mm_sqrt_ps(length2);
     _mm_store_ps(estimates_[g].data(), estimate);
   }
   if (!goes_along_border(place)) return;
@@ -194,7 +193,7 @@ float Collapser::estimate(uint32_t place) {
 float Collapser::least_estimate(uint32_t place) {
   estimate_ring(place);
   float least = kInfinity;
-  for (size_t i = 0; i < ring_.size(); ++i) least = std::min(least, estimates_[i / kLanes][i % kLanes]);
+  for (size_t i = 0; i < ring_.size(); ++i) least = std::min(least, estimates_[i / kAtOnce][i % kAtOnce]);
   return least;
 }
 
@@ -209,21 +208,27 @@ Collapser::Choice Collapser::choose(uint32_t place, float limit_m) {
   if (!may_go(place)) return best;
   estimate_ring(place);
   choices_.clear();
-  for (size_t i = 0; i < ring_.size(); ++i) choices_.push_back({ring_[i].place, estimates_[i / kLanes][i % kLanes]});
+  for (size_t i = 0; i < ring_.size(); ++i)
+    choices_.push_back({ring_[i].place, estimates_[i / kAtOnce][i % kAtOnce], 0});
   std::sort(choices_.begin(), choices_.end(), [](const Choice& a, const Choice& b) {
     return a.cost_m != b.cost_m ? a.cost_m < b.cost_m : a.target < b.target;
   });
+  float least_unsound = kInfinity;
   for (const Choice& choice : choices_) {
     if (choice.cost_m == kInfinity || (best.target != kNone && choice.cost_m >= best.cost_m)) break;
-    if (!is_sound(place, choice.target)) continue;
+    if (!is_sound(place, choice.target)) {
+      least_unsound = std::min(least_unsound, choice.cost_m);
+      continue;
+    }
     const float limit = best.target == kNone ? limit_m : std::min(limit_m, best.cost_m);
     float cost = std::max(choice.cost_m, measure(place, choice.target, limit, moved_));
     if (goes_along_border(place))
       cost = std::max(cost, kBorderWeight * borders_.deviation_m(place, limit / kBorderWeight));
     if (best.target != kNone && cost >= best.cost_m) continue;
-    best = {choice.target, cost};
+    best = {choice.target, cost, 0};
     best_moved_.swap(moved_);
   }
+  best.firm_m = std::min(best.cost_m, least_unsound);
   return best;
 }
 
@@ -268,68 +273,17 @@ void Collapser::add_candidate(uint32_t triangle, const glm::vec3& a, const glm::
   const size_t lane = candidates_.size() % kLanes;
   if (lane == 0) corners_.emplace_back();
   candidates_.push_back(triangle);
-  Corners& corners = corners_.back();
+  TriangleCorners& corners = corners_.back();
   for (int axis = 0; axis < 3; ++axis)
     corners.at[0][axis][lane] = a[axis], corners.at[1][axis][lane] = b[axis], corners.at[2][axis][lane] = c[axis];
 }
-
-namespace {
-
-struct Vectors {
-  Lanes x, y, z;
-};
-Vectors operator-(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vectors operator*(const Vectors& a, Lanes s) { return {a.x * s, a.y * s, a.z * s}; }
-Lanes dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vectors cross(const Vectors& a, const Vectors& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-Lanes selected(Lanes mask, Lanes yes, Lanes no) { return _mm_blendv_ps(no, yes, mask); }
-Vectors selected(Lanes mask, const Vectors& yes, const Vectors& no) {
-  return {selected(mask, yes.x, no.x), selected(mask, yes.y, no.y), selected(mask, yes.z, no.z)};
-}
-/// 1 / value, 0 for 0.
-Lanes inverse(Lanes value) { return _mm_and_ps(_mm_cmpgt_ps(value, _mm_setzero_ps()), _mm_set1_ps(1) / value); }
-void store(const Vectors& v, float* x, float* y, float* z) {
-  _mm_store_ps(x, v.x), _mm_store_ps(y, v.y), _mm_store_ps(z, v.z);
-}
-
-}  // namespace
 
 void Collapser::make_frames() {
   frames_.resize(corners_.size());
   for (size_t lane = candidates_.size() % kLanes; lane % kLanes != 0; ++lane)  // spare lanes repeat the last triangle
     for (auto& corner : corners_.back().at)
       for (auto& axis : corner) axis[lane] = axis[lane - 1];
-  const Lanes zero = _mm_setzero_ps(), one = _mm_set1_ps(1);
-  for (size_t g = 0; g < corners_.size(); ++g) {
-    const auto corner = [&](size_t i) {
-      const auto& at = corners_[g].at[i];
-      return Vectors{_mm_load_ps(at[0]), _mm_load_ps(at[1]), _mm_load_ps(at[2])};
-    };
-    const Vectors a = corner(0), b = corner(1), c = corner(2);
-    const Vectors base = b - a, apex = c - a, right = c - b;
-    const Lanes length = _mm_sqrt_ps(dot(base, base));
-    const Vectors x = selected(_mm_cmpgt_ps(length, zero), base * inverse(length), {one, zero, zero});
-    const Lanes apex_x = dot(apex, x);
-    const Vectors across = apex - x * apex_x;
-    const Lanes apex_y = _mm_sqrt_ps(dot(across, across));
-    const Lanes flat = _mm_cmple_ps(apex_y, _mm_set1_ps(1e-6F) * length);  // the subtraction leaves noise
-    // Perpendicular to x and to the axis that is less along it, of two.
-    const Lanes steep = _mm_cmplt_ps(_mm_andnot_ps(_mm_set1_ps(-0.0F), x.x), _mm_set1_ps(0.6F));
-    const Vectors any = selected(steep, Vectors{zero, x.z, zero - x.y}, Vectors{zero - x.z, zero, x.x});
-    const Vectors y = selected(flat, any * inverse(_mm_sqrt_ps(dot(any, any))), across * inverse(apex_y));
-    Frames& f = frames_[g];
-    store(a, f.origin_x, f.origin_y, f.origin_z);
-    store(x, f.x_x, f.x_y, f.x_z);
-    store(y, f.y_x, f.y_y, f.y_z);
-    store(cross(x, y), f.z_x, f.z_y, f.z_z);
-    _mm_store_ps(f.base, length);
-    _mm_store_ps(f.apex_x, apex_x);
-    _mm_store_ps(f.apex_y, _mm_andnot_ps(flat, apex_y));
-    _mm_store_ps(f.inverse_left2, inverse(dot(apex, apex)));
-    _mm_store_ps(f.inverse_right2, inverse(dot(right, right)));
-  }
+  kernels_.make_frames(corners_.data(), corners_.size(), frames_.data());
 }
 
 void Collapser::gather_candidates(uint32_t place, uint32_t target) {
@@ -347,27 +301,8 @@ void Collapser::gather_candidates(uint32_t place, uint32_t target) {
 }
 
 uint32_t Collapser::nearest_candidate(const glm::vec3& p, float& distance2) const {
-  const Lanes px = _mm_set1_ps(p.x), py = _mm_set1_ps(p.y), pz = _mm_set1_ps(p.z);
-  uint32_t best = kNone;
-  distance2 = kInfinity;
-  for (size_t g = 0; g < frames_.size(); ++g) {
-    const Frames& f = frames_[g];
-    const Lanes x = px - _mm_load_ps(f.origin_x), y = py - _mm_load_ps(f.origin_y), z = pz - _mm_load_ps(f.origin_z);
-    const Lanes d2 = distance2_in_frame(x * _mm_load_ps(f.x_x) + y * _mm_load_ps(f.x_y) + z * _mm_load_ps(f.x_z),
-                                        x * _mm_load_ps(f.y_x) + y * _mm_load_ps(f.y_y) + z * _mm_load_ps(f.y_z),
-                                        x * _mm_load_ps(f.z_x) + y * _mm_load_ps(f.z_y) + z * _mm_load_ps(f.z_z),
-                                        _mm_load_ps(f.base), _mm_load_ps(f.apex_x), _mm_load_ps(f.apex_y),
-                                        _mm_load_ps(f.inverse_left2), _mm_load_ps(f.inverse_right2));
-    if (_mm_movemask_ps(_mm_cmplt_ps(d2, _mm_set1_ps(distance2))) == 0) continue;
-    alignas(16) float lanes[kLanes];
-    _mm_store_ps(lanes, d2);
-    for (size_t i = 0; i < kLanes; ++i)
-      if (lanes[i] < distance2) {
-        distance2 = lanes[i];
-        best = candidates_[std::min(g * kLanes + i, candidates_.size() - 1)];
-      }
-  }
-  return best;
+  const uint32_t lane = kernels_.nearest(frames_.data(), frames_.size(), &p.x, distance2);
+  return candidates_[std::min(size_t(lane), candidates_.size() - 1)];
 }
 
 float Collapser::measure(uint32_t place, uint32_t target, float limit_m, std::vector<Moved>& moved) {
@@ -405,19 +340,22 @@ void Collapser::gather_around(uint32_t place) {
   make_frames();
 }
 
-float Collapser::distance_around(const glm::vec3& point, uint32_t place) {
-  gather_around(place);
-  if (candidates_.empty()) return 0;
-  float distance2 = 0;
-  nearest_candidate(point, distance2);
-  return std::sqrt(distance2);
+float Collapser::nearest_around(const std::vector<glm::vec3>& points, const std::vector<uint32_t>& places,
+                                std::vector<uint32_t>& triangles) {
+  triangles.assign(points.size(), kNone);
+  float farthest2 = 0;
+  uint32_t around = kNone;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (places[i] != around) gather_around(around = places[i]);
+    if (candidates_.empty()) continue;
+    float distance2 = 0;
+    triangles[i] = nearest_candidate(points[i], distance2);
+    farthest2 = std::max(farthest2, distance2);
+  }
+  return std::sqrt(farthest2);
 }
 
-void Collapser::add_point(const glm::vec3& point, uint32_t place) {
-  gather_around(place);
-  if (candidates_.empty()) return;
-  float distance2 = 0;
-  const uint32_t triangle = nearest_candidate(point, distance2);
+void Collapser::add_point(const glm::vec3& point, uint32_t triangle) {
   points_.push_back(point);
   next_point_.push_back(kNone);
   attach(static_cast<uint32_t>(points_.size() - 1), triangle);

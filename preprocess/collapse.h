@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/triangle_kernels.h"
 #include "preprocess/border_lines.h"
 #include "preprocess/work_mesh.h"
 
@@ -41,6 +42,7 @@ class Collapser {
   struct Choice {
     uint32_t target = WorkMesh::kNone;  ///< kNone: the place cannot go
     float cost_m = 0;                   ///< measured; at least this, where it is over the limit
+    float firm_m = 0;                   ///< no more than the cost: less where only triangles that would flip forbid it
   };
   /// The target at which no triangle flips and the measured cost is least. Stops looking closer at costs over
   /// `limit_m`.
@@ -55,28 +57,18 @@ class Collapser {
   /// Places that share a triangle with this one, each once. Valid until the next call of anything here.
   const std::vector<uint32_t>& ring_of(uint32_t place);
 
-  /// Distance of a point to the triangles around a place; 0 where there are none.
-  float distance_around(const glm::vec3& point, uint32_t place);
-  /// Gives a point to the triangle nearest to it around a place. It counts in later costs.
-  void add_point(const glm::vec3& point, uint32_t place);
+  /// For each point the triangle nearest to it around the place of the same index; kNone where there are none. Returns
+  /// the largest distance. Quicker where neighbours in the lists have the same place.
+  float nearest_around(const std::vector<glm::vec3>& points, const std::vector<uint32_t>& places,
+                       std::vector<uint32_t>& triangles);
+  /// Gives a point to a triangle. It counts in later costs.
+  void add_point(const glm::vec3& point, uint32_t triangle);
 
   /// The points on a triangle: appended to `points`.
   void points_on(uint32_t triangle, std::vector<glm::vec3>& points) const;
 
  private:
-  static constexpr size_t kLanes = 4;
-  /// Four triangles in frames of their own, as in ClosestPointTree.
-  struct alignas(16) Frames {
-    float origin_x[kLanes], origin_y[kLanes], origin_z[kLanes];
-    float x_x[kLanes], x_y[kLanes], x_z[kLanes];
-    float y_x[kLanes], y_y[kLanes], y_z[kLanes];
-    float z_x[kLanes], z_y[kLanes], z_z[kLanes];
-    float base[kLanes], apex_x[kLanes], apex_y[kLanes], inverse_left2[kLanes], inverse_right2[kLanes];
-  };
-  /// The corners of four triangles: by corner, axis, triangle.
-  struct alignas(16) Corners {
-    float at[3][3][kLanes];
-  };
+  static constexpr size_t kAtOnce = 4;  // targets that are estimated
   /// A line that the place had better not leave.
   struct Line {
     glm::vec3 direction;
@@ -118,6 +110,7 @@ class Collapser {
 
   WorkMesh& work_;
   const Mesh& source_;
+  const TriangleKernels& kernels_ = triangle_kernels();
   BorderLines& borders_;
   BorderRule border_rule_ = BorderRule::along;
   std::vector<glm::vec3> normals_;  // of each triangle; 0 where it has none
@@ -134,11 +127,11 @@ class Collapser {
   std::vector<uint32_t> ring_places_;
   std::vector<Line> lines_;
   std::vector<uint32_t> fan_;  // the place's corners in living triangles
-  struct alignas(16) Estimates : std::array<float, kLanes> {};
+  struct alignas(16) Estimates : std::array<float, kAtOnce> {};
   std::vector<Estimates> estimates_;  // for ring_, four by four
   std::vector<Choice> choices_;
-  std::vector<Corners> corners_;
-  std::vector<Frames> frames_;  // of the same triangles
+  std::vector<TriangleCorners> corners_;
+  std::vector<TriangleFrames> frames_;  // of the same triangles
   std::vector<uint32_t> candidates_;
   std::vector<Moved> moved_, best_moved_;
   std::vector<std::array<uint32_t, 2>> leads_;  // attributes of the place, those of the target

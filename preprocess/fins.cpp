@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <unordered_map>
 
+#include "codec/quantized_mesh.h"
 #include "preprocess/weld.h"
 
 namespace promenade {
@@ -15,9 +16,17 @@ namespace {
 /// Of what is passed by: the neighbour's border lies as far on its other side.
 constexpr float kReach = 1.5F;
 /// What is nearer to the edge than this needs no fin, in steps of the leaves' grid.
-constexpr float kLeast = 0.9F;
+constexpr float kLeast = 0.001F;
 /// What is added for rounding, in such steps.
 constexpr float kRounding = 1;
+/// Fins on either side of a place share their ends there where both stand about upright, as told by the cosine.
+constexpr float kLeastCosine = 0.95F;
+/// A triangle's height over its longest edge: flatter ones lie in no plane to speak of.
+constexpr float kThin = 0.05F;
+/// How steep borders are, more or less; of what they lie above or below.
+constexpr float kMostRise = 2;
+/// Where the border turns less, fins on either side share an end; of the sum of two units.
+constexpr float kLeastSum = 1.4F;
 
 uint32_t next_in_triangle(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
@@ -28,12 +37,15 @@ glm::vec3 unit(const glm::vec3& v) {
 
 /// What an edge of the border passes by, in metres >= 0.
 struct Extent {
-  float up_m = 0, down_m = 0, out_m = 0;
+  float up_m = 0, down_m = 0, out_m = 0, in_m = 0;
+  float before_m = 0, after_m = 0;  ///< past its ends
 };
 
 /// Where the border goes through a place.
 struct Ridge {
-  glm::vec3 up{0};  ///< sum of the edges'
+  glm::vec3 around{0};   ///< sum of the normals of all triangles there, by area
+  glm::vec3 up{0};       ///< sum of the edges'
+  glm::vec3 outward{0};  ///< sum of the edges'
   Extent extent;
   bool is_used = false;
 };
@@ -56,32 +68,63 @@ class FinMaker {
  private:
   struct Edge {
     uint32_t corner;
-    glm::vec3 up, outward;
-    bool bends, gapes;  ///< whether what it passes by lies above or below, or beyond
+    glm::vec3 normal, up, outward, along;
+    std::array<float, 2> past_m;  ///< its ends
+    bool bends, gapes;            ///< whether what it passes by lies above or below, or beyond
   };
 
   uint32_t place(uint32_t corner) const { return places_.of_vertex[mesh_.indices[corner]]; }
 
-  void find_ridges() {
+  void find_normals_around() {
     ridges_.resize(places_.count());
+    for (const BorderEdge& edge : border_.edges)
+      for (const uint32_t c : {edge.corner, next_in_triangle(edge.corner)}) ridges_[place(c)].is_used = true;
+    for (uint32_t corner = 0; corner < mesh_.indices.size(); ++corner)
+      if (Ridge& ridge = ridges_[place(corner)]; ridge.is_used) ridge.around += triangle_cross(mesh_, corner / 3);
+  }
+
+  void find_ridges() {
+    find_normals_around();
     edges_.reserve(border_.edges.size());
     const float least_m = kLeast * options_.leaf_step_m;
     for (size_t e = 0; e < border_.edges.size(); ++e) {
       const uint32_t corner = border_.edges[e].corner, end = next_in_triangle(corner);
-      const glm::vec3 up = unit(triangle_cross(mesh_, corner / 3));
-      const glm::vec3 from = mesh_.positions[mesh_.indices[corner]], to = mesh_.positions[mesh_.indices[end]];
-      const glm::vec3 outward = glm::cross(unit(to - from), up);
+      const glm::vec3 from = rounded(mesh_.positions[mesh_.indices[corner]]),
+                      to = rounded(mesh_.positions[mesh_.indices[end]]);
+      const glm::vec3 normal = unit(triangle_cross(mesh_, corner / 3)), along = unit(to - from);
+      glm::vec3 up = normal;
+      if (is_thin(corner / 3)) {
+        const glm::vec3 around = ridges_[place(corner)].around + ridges_[place(end)].around;
+        up = unit(around - along * glm::dot(around, along));
+      }
+      const glm::vec3 outward = glm::cross(along, up);
       const Extent extent = extent_of(e, from, to, up, outward);
-      edges_.push_back({corner, up, outward, std::max(extent.up_m, extent.down_m) > least_m, extent.out_m > least_m});
+      Edge edge{corner, normal, up, outward, along, {extent.before_m, extent.after_m}, false, false};
+      edge.bends = std::max(extent.up_m, extent.down_m) > least_m;
+      edge.gapes = std::max({extent.out_m, extent.before_m, extent.after_m}) > least_m;
+      edges_.push_back(edge);
       for (const uint32_t c : {corner, end}) {
         Ridge& ridge = ridges_[place(c)];
-        ridge.up += up, ridge.is_used = true;
+        ridge.up += up, ridge.outward += outward;
         ridge.extent.up_m = std::max(ridge.extent.up_m, extent.up_m);
         ridge.extent.down_m = std::max(ridge.extent.down_m, extent.down_m);
         ridge.extent.out_m = std::max(ridge.extent.out_m, extent.out_m);
+        ridge.extent.in_m = std::max(ridge.extent.in_m, extent.in_m);
       }
     }
   }
+
+  bool is_thin(uint32_t triangle) const {
+    float longest2 = 0;
+    for (uint32_t c = 3 * triangle; c < 3 * triangle + 3; ++c) {
+      const glm::vec3 edge = mesh_.positions[mesh_.indices[next_in_triangle(c)]] - mesh_.positions[mesh_.indices[c]];
+      longest2 = std::max(longest2, glm::dot(edge, edge));
+    }
+    return glm::length(triangle_cross(mesh_, triangle)) < kThin * longest2;
+  }
+
+  /// As it will be stored: on the leaves' grid.
+  glm::vec3 rounded(const glm::vec3& p) const { return snapped(p, options_.leaf_step_m); }
 
   Extent extent_of(size_t edge, const glm::vec3& from, const glm::vec3& to, const glm::vec3& up,
                    const glm::vec3& outward) const {
@@ -89,11 +132,16 @@ class FinMaker {
     const glm::vec3 along = to - from;
     const float length2 = glm::dot(along, along);
     for (const glm::vec3& point : border_.passed_by(edge)) {
-      const float t = length2 > 0 ? std::clamp(glm::dot(point - from, along) / length2, 0.0F, 1.0F) : 0;
-      const glm::vec3 off = point - from - along * t;
+      const float t = length2 > 0 ? std::clamp(glm::dot(rounded(point) - from, along) / length2, 0.0F, 1.0F) : 0;
+      const glm::vec3 off = rounded(point) - from - along * t;
+      if (length2 > 0 && (t <= 0 || t >= 1)) {
+        const float past = glm::dot(off, along) / std::sqrt(length2);
+        extent.before_m = std::max(extent.before_m, -past), extent.after_m = std::max(extent.after_m, past);
+      }
       const float above = glm::dot(off, up);
       extent.up_m = std::max(extent.up_m, above), extent.down_m = std::max(extent.down_m, -above);
-      extent.out_m = std::max(extent.out_m, glm::dot(off, outward));
+      const float beyond = glm::dot(off, outward);
+      extent.out_m = std::max(extent.out_m, beyond), extent.in_m = std::max(extent.in_m, -beyond);
     }
     return extent;
   }
@@ -108,13 +156,23 @@ class FinMaker {
     for (size_t i = 0; i < 2; ++i) {
       const Ridge& ridge = ridges_[place(ends[i])];
       base[i] = mesh_.indices[ends[i]];
-      const glm::vec3 at = mesh_.positions[base[i]], up = unit(ridge.up);
-      const glm::vec3 out = edge.gapes ? edge.outward * reach_m(ridge.extent.out_m) : glm::vec3(0);
+      const glm::vec3 shared_up = unit(ridge.up);
+      const bool leans = glm::dot(shared_up, edge.up) < kLeastCosine;
+      const glm::vec3 at = mesh_.positions[base[i]], up = leans ? edge.up : shared_up;
+      const float sum = glm::length(ridge.outward);
+      const bool turns = edge.gapes && (sum < kLeastSum || edge.past_m[i] > 0);
+      const bool is_own = turns || leans;
+      const glm::vec3 outward = is_own ? edge.outward : ridge.outward * (2 / (sum * sum));
+      const glm::vec3 past = edge.along * (edge.past_m[i] * (i == 0 ? -kReach : kReach));
+      const glm::vec3 out = edge.gapes ? outward * reach_m(ridge.extent.out_m) + past : glm::vec3(0);
+      // A border that begins behind the edge has risen by as much before it comes to it, where it is steep.
+      const float rise_m = std::min(ridge.extent.in_m, kMostRise * std::max(ridge.extent.up_m, ridge.extent.down_m));
       if (edge.bends) {
-        top[i] = vertex(base[i], Side::top, at + out + up * reach_m(ridge.extent.up_m), edge);
-        bottom[i] = vertex(base[i], Side::bottom, at + out - up * reach_m(ridge.extent.down_m), edge);
+        top[i] = vertex(base[i], Side::top, at + out + up * (reach_m(ridge.extent.up_m) + rise_m), edge, is_own);
+        bottom[i] =
+            vertex(base[i], Side::bottom, at + out - up * (reach_m(ridge.extent.down_m) + rise_m), edge, is_own);
       } else {
-        top[i] = vertex(base[i], Side::top, at + out, edge);
+        top[i] = vertex(base[i], Side::beyond, at + out, edge, is_own);
       }
     }
     if (edge.bends && edge.gapes) {
@@ -133,19 +191,20 @@ class FinMaker {
                            options_.fin_material ? options_.fin_material(material) : material);
   }
 
-  enum class Side : uint8_t { top, bottom };
+  enum class Side : uint8_t { top, bottom, beyond };
 
-  /// One like another, elsewhere; shared by fins that stand on one line.
-  uint32_t vertex(uint32_t like, Side side, const glm::vec3& position, const Edge& edge) {
+  /// One like another, elsewhere; shared by fins of one kind, unless it is their own.
+  uint32_t vertex(uint32_t like, Side side, const glm::vec3& position, const Edge& edge, bool is_own) {
     const auto next = static_cast<uint32_t>(mesh_.positions.size());
-    if (!edge.gapes) {
-      const auto [made, is_new] = made_.try_emplace(uint64_t(like) << 1U | (side == Side::top ? 1U : 0U), next);
+    if (!is_own) {
+      const uint64_t kind = uint64_t(side) << 1U | (edge.gapes ? 1U : 0U);
+      const auto [made, is_new] = made_.try_emplace(uint64_t(like) << 3U | kind, next);
       if (!is_new) return made->second;
     }
     mesh_.positions.push_back(position);
     if (mesh_.normals.empty()) mesh_.normals.resize(next, glm::vec3(0));
     const glm::vec3 same = mesh_.normals[like];
-    mesh_.normals.push_back(same != glm::vec3(0) ? same : edge.up);
+    mesh_.normals.push_back(same != glm::vec3(0) ? same : edge.normal);
     const auto repeat = [like](auto& values) {
       if (values.empty()) return;
       const auto value = values[like];

@@ -27,8 +27,6 @@ constexpr double kToleranceOfError = 0.25, kToleranceOfSize = 1e-4;
 // How much the bound may exceed the largest distance that is really there: an eighth less error than at 0.25, for a few
 // per cent of a build's time.
 constexpr double kSlack = 0.04;
-// A point lies at most half a texel's diagonal from the texel's centre.
-constexpr double kTexelReach = 0.7072;
 constexpr int kMostHalvings = 12;  // of the grid, while it would take thin things away
 constexpr int kMostSteps = 64;     // doublings of the grid until a mesh fits: more than any float needs
 
@@ -121,12 +119,7 @@ Result<BuiltNode> NodeBuilder::leaf(Mesh mesh, Border border) const {
   BuiltNode node;
   NodeSurface& surface = node.surface;
   surface.error_m = surface.p99_m = rounding_m(mesh);
-  surface.texture_error_m = leaf_texels(mesh, surface);
-  for (const uint32_t material : materials_of(mesh))
-    if (is_textured(material)) node.stored.textures.push_back(base_.materials[material].texture);
-  std::sort(node.stored.textures.begin(), node.stored.textures.end());
-  const auto last = std::unique(node.stored.textures.begin(), node.stored.textures.end());
-  node.stored.textures.erase(last, node.stored.textures.end());
+  add_leaf_textures(mesh, node);
   PROMENADE_TRY(store({mesh, {}, false}, double(options_.leaf_step_m), {}, node));
   fold_colors(mesh, base_.materials, [this](uint32_t m) {
     const Material& material = base_.materials[m];
@@ -138,18 +131,25 @@ Result<BuiltNode> NodeBuilder::leaf(Mesh mesh, Border border) const {
   return node;
 }
 
-/// The finest picture's texel goes to the surface; returns what making pictures smaller has cost.
-double NodeBuilder::leaf_texels(const Mesh& mesh, NodeSurface& surface) const {
-  double error_m = 0;
+/// What a leaf shows, with the texels' sizes; what making pictures smaller has cost is part of its error.
+void NodeBuilder::add_leaf_textures(const Mesh& mesh, BuiltNode& node) const {
+  NodeSurface& surface = node.surface;
+  std::map<uint32_t, double> texels_m;  // by texture: the largest
   for (const uint32_t material : materials_of(mesh)) {
     if (!is_textured(material)) continue;
-    const StoredTexture& texture = textures_[base_.materials[material].texture];
+    const uint32_t id = base_.materials[material].texture;
+    const StoredTexture& texture = textures_[id];
     const double texel_m = texel_size_m(mesh, material, texture.width, texture.height);
-    if (texture.reduction > 1) error_m = std::max(error_m, kTexelReach * texel_m);
+    if (texture.reduction > 1) surface.texture_error_m = std::max(surface.texture_error_m, kTexelReach * texel_m);
     if (texel_m > 0 && (surface.texel_m == 0 || texel_m < double(surface.texel_m)))
       surface.texel_m = static_cast<float>(texel_m);
+    double& largest_m = texels_m[id];
+    largest_m = std::max(largest_m, texel_m);
   }
-  return error_m;
+  for (const auto& [texture, texel_m] : texels_m) {
+    node.stored.textures.push_back(texture);
+    node.stored.texels_m.push_back(static_cast<float>(texel_m));
+  }
 }
 
 NodeBuilder::Merged NodeBuilder::merge(std::span<const NodeSurface> children) const {
@@ -282,10 +282,8 @@ Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
   options.texel_m = std::max({surface.error_m / 2, double(surface.texel_m), 1e-6});
   options.max_side_px = options_.max_atlas_px;
   std::map<uint32_t, std::shared_ptr<const Image>> pictures;
-  AlphaMode see_through = AlphaMode::mask;
   for (const uint32_t m : materials_of(merged.mesh)) {
     const Material& material = merged.materials[m];
-    if (material.alpha == AlphaMode::blend) see_through = AlphaMode::blend;
     if (material.texture == kNoTexture) continue;
     if ((material.texture & kLocalTexture) != 0) {
       pictures[material.texture] = merged.atlases[material.texture & ~kLocalTexture];
@@ -309,10 +307,10 @@ Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
   if (!baked.ok()) return baked.error();
   Material atlas_material;
   atlas_material.wrap_u = atlas_material.wrap_v = Wrap::clamp;
-  atlas_material.alpha = baked->has_opacity ? see_through : AlphaMode::opaque;
   baked->mesh.materials.resize(surface.mesh.materials.size());
   for (size_t t = 0; t < surface.mesh.materials.size(); ++t) {
     atlas_material.two_sided = base_.materials[surface.mesh.materials[t]].two_sided;
+    atlas_material.alpha = baked->alpha[t];
     auto place = std::find(surface.atlas_materials.begin(), surface.atlas_materials.end(), atlas_material);
     if (place == surface.atlas_materials.end()) place = surface.atlas_materials.insert(place, atlas_material);
     baked->mesh.materials[t] = base_.size() + static_cast<uint32_t>(place - surface.atlas_materials.begin());

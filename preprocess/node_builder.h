@@ -30,6 +30,7 @@ struct StoredNode {
   std::vector<std::byte> mesh;            ///< encoded; materials from MaterialBase::size() on are atlas_materials
   float step_m = 0;                       ///< of the grid that the mesh was coded on; 0: none
   std::vector<uint32_t> textures;         ///< shared ones, by TextureStore
+  std::vector<float> texels_m;            ///< of each of these: the side of its largest texel on the node's surface
   std::vector<std::byte> atlas;           ///< encoded picture; empty: none
   TextureRecord atlas_record;             ///< but for its segment
   std::vector<Material> atlas_materials;  ///< but for their texture, which is the atlas
@@ -112,7 +113,7 @@ class NodeBuilder {
   float fine_step_of(double step_m) const;
   Status store(const Shown& shown, double step_m, std::span<const NodeSurface> children, BuiltNode& node) const;
   Status encode(const Shown& shown, double step_m, StoredNode& stored, double& error_m) const;
-  double leaf_texels(const Mesh& mesh, NodeSurface& surface) const;
+  void add_leaf_textures(const Mesh& mesh, BuiltNode& node) const;
   bool is_textured(uint32_t material) const;
   bool is_two_sided(uint32_t material, std::span<const Material> atlas_materials) const;
 

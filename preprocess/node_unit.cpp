@@ -61,7 +61,7 @@ std::vector<Material> read_materials(UnitReader& reader) {
 void write(UnitWriter& writer, const UnitNode& node) {
   write(writer, node.record);
   writer.array(node.children), writer.value(node.mesh), writer.value(node.step_m), writer.array(node.textures),
-      writer.value(node.atlas);
+      writer.array(node.texels_m), writer.value(node.atlas);
   writer.value(node.atlas_record.width), writer.value(node.atlas_record.height), writer.value(node.atlas_record.flags);
   write(writer, node.atlas_materials);
   writer.array(node.classes);
@@ -71,7 +71,8 @@ UnitNode read_node(UnitReader& reader) {
   node.record = read_record(reader);
   node.children = reader.array<uint32_t>(), node.mesh = reader.value<UnitBlob>();
   node.step_m = reader.value<float>();
-  node.textures = reader.array<uint32_t>(), node.atlas = reader.value<UnitBlob>();
+  node.textures = reader.array<uint32_t>(), node.texels_m = reader.array<float>(),
+  node.atlas = reader.value<UnitBlob>();
   node.atlas_record.width = reader.value<uint32_t>(), node.atlas_record.height = reader.value<uint32_t>();
   node.atlas_record.flags = reader.value<uint32_t>();
   node.atlas_materials = read_materials(reader);
@@ -143,8 +144,8 @@ Result<NodeUnit> store_node_unit(const WorkFolder& folder, const std::string& na
     const StoredNode& stored = nodes[i];
     const UnitBlob mesh = assembly.add(stored.mesh);
     const UnitBlob atlas = assembly.add(stored.atlas);
-    unit.nodes.push_back({stored.record, children[i], mesh, stored.step_m, stored.textures, atlas, stored.atlas_record,
-                          stored.atlas_materials, stored.classes});
+    unit.nodes.push_back({stored.record, children[i], mesh, stored.step_m, stored.textures, stored.texels_m, atlas,
+                          stored.atlas_record, stored.atlas_materials, stored.classes});
   }
   unit.surface = assembly.add(surface_bytes(root));
   const auto tables = static_cast<uint64_t>(assembly.writer.bytes().size());

@@ -24,6 +24,7 @@ struct UnitNode {
   UnitBlob mesh;
   float step_m = 0;
   std::vector<uint32_t> textures;
+  std::vector<float> texels_m;  ///< as StoredNode's
   UnitBlob atlas;
   TextureRecord atlas_record;
   std::vector<Material> atlas_materials;

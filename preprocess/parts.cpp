@@ -10,6 +10,10 @@ namespace promenade {
 
 namespace {
 
+/// Points looked from, spread over a part, when it has turned out too dear: the better its cost is known the less often
+/// it is asked for.
+constexpr size_t kMoreLooks = 8;
+
 uint32_t root_of(std::vector<uint32_t>& parent, uint32_t place) {
   while (parent[place] != place) place = parent[place] = parent[parent[place]];
   return place;
@@ -42,7 +46,8 @@ Parts::Parts(const WorkMesh& work)
   part_of_place_.assign(work.place_count(), WorkMesh::kNone);
   for (uint32_t p = 0; p < work.place_count(); ++p) part_of_place_[p] = part_of_root[root_of(parent, p)];
   hidden_.assign(count(), 0);
-  looks_.assign(count(), 0);
+  looked_at_.assign(count(), 0);
+  farthest_.assign(count(), glm::vec3(0));
   for (uint32_t part = 0; part < count(); ++part) {
     hidden_[part] = work.alive[triangles_[part].front()] == 0 ? 1 : 0;
     remaining_ += hidden_[part] == 0 ? 1U : 0U;
@@ -68,25 +73,31 @@ void Parts::build_tree() {
 }
 
 float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m,
-                          std::vector<uint32_t>& corners) {
-  corners.clear();
-  const bool first_look = looks_[part]++ == 0;
-  const float limit2 = limit_m * limit_m;
+                          std::vector<Beside>& beside) {
+  beside.clear();
   const uint8_t hidden_before = hidden_[part];
   if (remaining_ < (hidden_before != 0 ? 1 : 2)) return std::numeric_limits<float>::infinity();
-  hidden_[part] = 1;
+  const bool first_look = looked_at_[part] == 0;
+  looked_at_[part] = 1;
+  const float limit2 = limit_m * limit_m;
   float cost2 = 0;
   uint32_t hint = kNoTriangle;
-  for (const glm::vec3& p : points) {
+  const auto look_from = [&](const glm::vec3& p) {
     const ClosestPointTree::Nearest found = tree_.nearest(p, {.hint = hint,
                                                               .enough_distance2_m2 = std::max(limit2, cost2),
                                                               .group_of_triangle = part_of_tree_triangle_.data(),
                                                               .group_hidden = hidden_.data()});
-    cost2 = std::max(cost2, found.distance2_m2);
     hint = found.triangle;
-    corners.push_back(corner_of(found.triangle, p));
-    if (first_look && cost2 > limit2) break;
+    if (found.distance2_m2 > cost2) cost2 = found.distance2_m2, farthest_[part] = p;
+  };
+  hidden_[part] = 1;
+  if (!first_look) look_from(farthest_[part]);
+  for (size_t i = 0; i < points.size() && cost2 <= limit2; ++i) {
+    look_from(points[i]);
+    beside.push_back({corner_of(hint, points[i]), hint});
   }
+  if (!first_look && cost2 > limit2)
+    for (size_t i = 0; i < points.size(); i += points.size() / kMoreLooks + 1) look_from(points[i]);
   hidden_[part] = hidden_before;
   return std::sqrt(cost2);
 }
@@ -111,17 +122,17 @@ uint32_t Parts::corner_of(uint32_t tree_triangle, const glm::vec3& point) const 
 }
 
 /// A triangle of the tree.
-uint32_t Parts::nearest_besides(uint32_t part, const glm::vec3& point) {
+uint32_t Parts::nearest_besides(uint32_t part, const glm::vec3& point, uint32_t hint) {
   const uint8_t hidden_before = hidden_[part];
   hidden_[part] = 1;
-  const ClosestPointTree::Nearest found =
-      tree_.nearest(point, {.group_of_triangle = part_of_tree_triangle_.data(), .group_hidden = hidden_.data()});
+  const ClosestPointTree::Nearest found = tree_.nearest(
+      point, {.hint = hint, .group_of_triangle = part_of_tree_triangle_.data(), .group_hidden = hidden_.data()});
   hidden_[part] = hidden_before;
   return found.triangle;
 }
 
-uint32_t Parts::nearest_corner_besides(uint32_t part, const glm::vec3& point) {
-  const uint32_t found = nearest_besides(part, point);
+uint32_t Parts::nearest_corner_besides(uint32_t part, const glm::vec3& point, uint32_t hint) {
+  const uint32_t found = nearest_besides(part, point, hint);
   return found == kNoTriangle ? WorkMesh::kNone : corner_of(found, point);
 }
 

@@ -25,25 +25,30 @@ class Parts {
   /// The triangles of a part, as the work mesh numbers them.
   const std::vector<uint32_t>& triangles(uint32_t part) const { return triangles_[part]; }
 
-  /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Exact where it
-  /// is over the limit, else no more than the limit. A part's first look ends at the first point over the limit: most
-  /// parts are far too dear and never looked at again. corners: for each point, up to where the look ended, a corner,
-  /// as the work mesh numbers them, of a triangle that is as near as said.
-  float removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m,
-                     std::vector<uint32_t>& corners);
+  /// Of a triangle beside a point.
+  struct Beside {
+    uint32_t corner;         ///< the nearest to the point, as the work mesh numbers them
+    uint32_t tree_triangle;  ///< where to begin to look again
+  };
+
+  /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Where that is
+  /// over the limit only some points are looked at: the largest distance of those. A part's first look ends at the
+  /// first point over the limit: most parts are far too dear and never looked at again. beside: for each point, where
+  /// no more than the limit is returned, a triangle as near as that.
+  float removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m, std::vector<Beside>& beside);
 
   void remove(uint32_t part);
 
   /// A corner, as the work mesh numbers them, of the triangle nearest to a point among the parts that remain without
-  /// `part`; kNone where none does.
-  uint32_t nearest_corner_besides(uint32_t part, const glm::vec3& point);
+  /// `part`; kNone where none does. hint: a tree triangle that may be near.
+  uint32_t nearest_corner_besides(uint32_t part, const glm::vec3& point, uint32_t hint);
 
   /// How far a point lies in front of the triangle nearest to it among the parts that remain without `part`, as it was;
   /// nullopt where that does not face along `normal`, or there is none.
   std::optional<float> height_besides(uint32_t part, const glm::vec3& point, const glm::vec3& normal);
 
  private:
-  uint32_t nearest_besides(uint32_t part, const glm::vec3& point);
+  uint32_t nearest_besides(uint32_t part, const glm::vec3& point, uint32_t hint = kNoTriangle);
   void build_tree();
   /// The corner of a triangle of the tree that is nearest to a point.
   uint32_t corner_of(uint32_t tree_triangle, const glm::vec3& point) const;
@@ -53,7 +58,8 @@ class Parts {
   std::vector<uint32_t> part_of_place_;
   std::vector<std::vector<uint32_t>> triangles_;
   std::vector<uint8_t> hidden_;
-  std::vector<uint32_t> looks_;
+  std::vector<uint8_t> looked_at_;
+  std::vector<glm::vec3> farthest_;  // of each part: the point that its last look ended at
   uint32_t remaining_ = 0;
 
   // The tree has the triangles that remained when it was built: hidden ones cost time, so it is built anew when half

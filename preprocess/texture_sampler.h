@@ -55,6 +55,7 @@ class MaterialSampler {
 
   /// The material's colour times its texture's at the point; footprint_uv: the patch's side in texture coordinates.
   Light at(uint32_t material, const glm::vec2& texcoord, float footprint_uv);
+  AlphaMode alpha_of(uint32_t material) const { return materials_[material].alpha; }
 
  private:
   FilteredTexture* texture_of(uint32_t material);

@@ -30,24 +30,33 @@ bool has_opacity(const Image& image) {
   return std::any_of(image.pixels.begin(), image.pixels.end(), [](const glm::u8vec4& p) { return p.a < 255; });
 }
 
-std::vector<std::byte> unit_bytes(const StoredTexture& stored, std::span<const std::byte> encoded) {
+/// A picture's encoded versions, the whole one first.
+using Versions = std::vector<std::vector<std::byte>>;
+
+std::vector<std::byte> unit_bytes(const StoredTexture& stored, const Versions& versions) {
   UnitWriter writer;
   writer.value(stored.width), writer.value(stored.height), writer.value(uint8_t(stored.has_opacity));
   writer.value(stored.reduction);
-  writer.array(std::vector<std::byte>(encoded.begin(), encoded.end()));
+  writer.array(stored.smaller);
+  for (const std::vector<std::byte>& version : versions) writer.array(version);
   return std::move(writer.bytes());
 }
 
 /// Fills in all but the unit's name.
-std::optional<std::vector<std::byte>> parse_unit(std::span<const std::byte> bytes, StoredTexture& stored) {
+std::optional<Versions> parse_unit(std::span<const std::byte> bytes, StoredTexture& stored) {
   UnitReader reader(bytes);
   stored.width = reader.value<uint32_t>(), stored.height = reader.value<uint32_t>();
   stored.has_opacity = reader.value<uint8_t>() != 0;
   stored.reduction = reader.value<float>();
-  std::vector<std::byte> encoded = reader.array<std::byte>();
-  stored.bytes = encoded.size();
+  stored.smaller = reader.array<StoredTexture::Size>();
+  stored.bytes = 0;
+  Versions versions;
+  for (size_t i = 0; i <= stored.smaller.size() && reader.ok(); ++i) {
+    versions.push_back(reader.array<std::byte>());
+    stored.bytes += versions.back().size();
+  }
   if (!reader.ok()) return std::nullopt;
-  return encoded;
+  return versions;
 }
 
 }  // namespace
@@ -80,7 +89,16 @@ TextureStore::Prepared TextureStore::prepare(const SourceTexture& texture, uint6
   }
   out.stored.has_opacity = has_opacity(*image);
   const uint32_t side = std::max(image->width, image->height);
-  std::vector<std::byte> encoded = texture.encoded;
+  const ImageFormat format = out.stored.has_opacity ? ImageFormat::png : ImageFormat::jpeg;
+  Versions versions = {texture.encoded};
+  const auto encode = [&](std::vector<std::byte>& version) {
+    Result<std::vector<std::byte>> bytes = encode_image(*image, format, options_.jpeg_quality);
+    if (bytes.ok())
+      version = std::move(*bytes);
+    else
+      out.missing = fmt::format("{}: {}", texture.name, bytes.error().message);
+    return bytes.ok();
+  };
   if (side > options_.max_texture_px || !may_stay(texture.encoded)) {
     if (side > options_.max_texture_px) {
       out.stored.reduction = float(side) / float(options_.max_texture_px);
@@ -89,16 +107,16 @@ TextureStore::Prepared TextureStore::prepare(const SourceTexture& texture, uint6
       };
       *image = resized(*image, shrunk(image->width), shrunk(image->height));
     }
-    const ImageFormat format = out.stored.has_opacity ? ImageFormat::png : ImageFormat::jpeg;
-    Result<std::vector<std::byte>> bytes = encode_image(*image, format, options_.jpeg_quality);
-    if (!bytes.ok()) {
-      out.missing = fmt::format("{}: {}", texture.name, bytes.error().message);
-      return out;
-    }
-    encoded = std::move(*bytes);
+    if (!encode(versions.front())) return out;
   }
-  out.stored.width = image->width, out.stored.height = image->height, out.stored.bytes = encoded.size();
-  const Status status = folder_.store(out.stored.unit, out.unit_hash, unit_bytes(out.stored, encoded));
+  out.stored.width = image->width, out.stored.height = image->height;
+  while (std::max(image->width, image->height) >= kSmallestTexture * kTextureStep) {
+    *image = resized(*image, std::max(1U, image->width / kTextureStep), std::max(1U, image->height / kTextureStep));
+    if (!encode(versions.emplace_back())) return out;
+    out.stored.smaller.push_back({image->width, image->height});
+  }
+  for (const std::vector<std::byte>& version : versions) out.stored.bytes += version.size();
+  const Status status = folder_.store(out.stored.unit, out.unit_hash, unit_bytes(out.stored, versions));
   if (!status.ok()) out.failure = status.error().message;
   return out;
 }
@@ -149,14 +167,15 @@ Result<std::vector<uint32_t>> TextureStore::add(std::span<const SourceTexture> t
   return ids;
 }
 
-Result<std::vector<std::byte>> TextureStore::encoded(uint32_t texture) const {
+Result<std::vector<std::byte>> TextureStore::encoded(uint32_t texture, uint32_t version) const {
   const StoredTexture& stored = textures_[texture];
   Result<std::vector<std::byte>> bytes = read_file(folder_.path_of(stored.unit), uint64_t(1) << 34, folder_.files());
   if (!bytes.ok()) return bytes.error();
   constexpr size_t kUnitHeader = 32;
   StoredTexture again;
   if (bytes->size() > kUnitHeader)
-    if (auto encoded = parse_unit(std::span(*bytes).subspan(kUnitHeader), again)) return std::move(*encoded);
+    if (auto versions = parse_unit(std::span(*bytes).subspan(kUnitHeader), again))
+      if (version < versions->size()) return std::move((*versions)[version]);
   return Error{
       fmt::format("{}: damaged; remove the .work folder and build again", folder_.path_of(stored.unit).string())};
 }

@@ -25,12 +25,21 @@ struct TextureStoreOptions {
 
 /// A picture as the model will hold it.
 struct StoredTexture {
+  struct Size {
+    uint32_t width = 0, height = 0;
+  };
   uint32_t width = 0, height = 0;
   bool has_opacity = false;
-  float reduction = 1;  ///< source pixels to a stored one, along a side
-  uint64_t bytes = 0;   ///< encoded
-  std::string unit;     ///< in the work folder
+  float reduction = 1;        ///< source pixels to a stored one, along a side
+  uint64_t bytes = 0;         ///< encoded, smaller versions included
+  std::vector<Size> smaller;  ///< versions of it for surfaces far away: each kTextureStep times smaller than the last
+  std::string unit;           ///< in the work folder
 };
+
+/// Pixels along a side of a texture to one of its next smaller version, which exists while its longer side has
+/// kSmallestTexture.
+constexpr uint32_t kTextureStep = 4;
+constexpr uint32_t kSmallestTexture = 16;
 
 /// Pictures by number, in order of first appearance. add: one thread, before all others; image and encoded: any thread.
 class TextureStore {
@@ -46,7 +55,8 @@ class TextureStore {
 
   size_t size() const { return textures_.size(); }
   const StoredTexture& operator[](uint32_t texture) const { return textures_[texture]; }
-  Result<std::vector<std::byte>> encoded(uint32_t texture) const;
+  /// version: 0: as it is; i: its smaller[i - 1].
+  Result<std::vector<std::byte>> encoded(uint32_t texture, uint32_t version = 0) const;
   /// Decoded, its sides halved `halvings` times; kept for the next who asks while memory lasts.
   Result<std::shared_ptr<const Image>> image(uint32_t texture, uint32_t halvings) const;
   /// Work units that were found done, and all.

@@ -24,10 +24,11 @@ class FarFollower {
   explicit FarFollower(const FarTables& tables) : tables_(tables) {}
 
   /// The cells whose pictures should be in memory, the most important first: the eye's, what is drawn, where the eye
-  /// goes, what is beside. eye: metres, model space.
+  /// goes, what is beside; each with those of the outer shells around it. eye: metres, model space.
   std::vector<FarCellId> wanted(const glm::dvec3& eye, const glm::dvec3& velocity_m_per_s) const;
 
-  /// Decides for a frame. ready(FarCellId): whether a cell's picture may be drawn. frames: how long a fade takes; 0:
+  /// Decides for a frame. ready(FarCellId): whether a cell's picture may be drawn, with those around it. frames: how
+  /// long a fade takes; 0:
   /// none.
   template <class Ready>
   void follow(const glm::dvec3& eye, uint32_t frames, Ready&& ready);
@@ -35,11 +36,17 @@ class FarFollower {
   std::span<const FarLayer> layers() const { return layers_; }  ///< empty: geometry alone
   std::span<const Box> near() const { return near_; }           ///< one a layer: what is drawn as geometry
   std::optional<FarCellId> cell() const { return cell_; }       ///< the eye's; nullopt: outside
-  bool is_late() const { return late_; }        ///< the eye's cell has a picture, and the last one's is drawn instead
+  std::optional<FarCellId> shown() const { return shown_; }     ///< whose picture is drawn; nullopt: geometry alone
+  bool is_late() const {
+    return late_;
+  }  ///< the eye's cell has a picture, and the last one's is drawn instead: off by at most
+     ///< twice the bound, about
   bool is_missing() const { return missing_; }  ///< the eye's cell has a picture, and geometry is drawn instead
 
  private:
   bool near_shown(const glm::dvec3& eye) const;
+  void want(const std::optional<FarCellId>& cell, std::vector<FarCellId>& cells) const;
+  void want_ahead(const glm::dvec3& eye, const glm::dvec3& way_m, std::vector<FarCellId>& cells) const;
   void set_layers();
 
   const FarTables& tables_;

@@ -6,8 +6,6 @@
 #include <array>
 #include <glm/geometric.hpp>
 
-#include "codec/far_mesh.h"
-
 namespace promenade {
 namespace {
 
@@ -33,13 +31,18 @@ Result<FarFace> decode_side(const ModelSource& source, FarCellId cell, uint32_t 
   const FarTables& tables = *source.far();
   const std::optional<std::array<int8_t, 3>> places = reference_of_far_face(bytes);
   if (!places) return decode_far_face(bytes);
-  const glm::dvec3 steps((*places)[0], (*places)[1], (*places)[2]);
-  const std::optional<uint64_t> place = far_place_at(tables, cell_box(tables, cell).center() + steps * tables.cell_m);
-  if (!place) return Error{"told against a cell beside the grid"};
-  const Result<const FarReference*> reference = key.at(source, *place);
+  const glm::ivec3 steps((*places)[0], (*places)[1], (*places)[2]);
+  const FarGridPlace own = grid_place_of(tables, tables.cells[index_of(cell)].place);
+  const glm::ivec3 at = glm::ivec3(own.at) + steps;
+  for (int i = 0; i < 3; ++i)
+    if (at[i] < 0 || at[i] >= static_cast<int64_t>(own.grid.counts[i]))
+      return Error{"told against a cell beside the grid"};
+  const uint64_t place = own.grid.first_place + uint64_t(at.x) +
+                         own.grid.counts.x * (uint64_t(at.y) + uint64_t(own.grid.counts.y) * uint64_t(at.z));
+  const Result<const FarReference*> reference = key.at(source, place);
   if (!reference) return reference.error();
   FarReference placed = **reference;
-  placed.offset = offset_from_reference(*places, tables.cell_m, tables.box_m);
+  placed.offset = offset_from_reference(*places, own.grid.cell_m, own.grid.box_m);
   return decode_far_face(bytes, tables.faces[face].side, &placed);
 }
 
@@ -84,6 +87,11 @@ uint64_t FarKey::byte_size(const FarTables& tables) {
   return most * HalvedGrid{tables.face_levels}.vertices() * sizeof(glm::u8vec4);
 }
 
+FarPlace place_of_far_side(const FarTables& tables, FarCellId cell, uint32_t face) {
+  const FarShell shell = grid_place_of(tables, tables.cells[index_of(cell)].place).grid;
+  return {cell_box(tables, cell).center(), shell.box_m, tables.faces[face].side, tables.has_depth};
+}
+
 Result<FarFace> read_far_side(const ModelSource& source, FarCellId cell, uint32_t face, FarKey& key) {
   const FarTables& tables = *source.far();
   const Result<std::vector<std::byte>> bytes = source.read_far_face(face);
@@ -101,7 +109,7 @@ Result<StagedFarSide> stage_far_side(const ModelSource& source, const Renderer& 
   const FarTables& tables = *source.far();
   Result<FarFace> decoded = read_far_side(source, cell, face, key);
   if (!decoded) return decoded.error();
-  const FarPlace place{cell_box(tables, cell).center(), tables.box_m, tables.faces[face].side, tables.has_depth};
+  const FarPlace place = place_of_far_side(tables, cell, face);
   if (const uint32_t triangles = far_triangles(*decoded); triangles > tables.faces[face].triangles)
     return Error{fmt::format("far face {}: {} triangles, {} are due", face, triangles, tables.faces[face].triangles)};
   Mesh mesh = far_mesh(*decoded, place);

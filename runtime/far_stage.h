@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "codec/far_face.h"
+#include "codec/far_mesh.h"
 #include "runtime/model_source.h"
 #include "runtime/renderer.h"
 
@@ -32,6 +33,9 @@ class FarKey {
   std::array<std::optional<FarFace>, 6> sides_;
   FarReference reference_;
 };
+
+/// Where a cell's side stands.
+FarPlace place_of_far_side(const FarTables& tables, FarCellId cell, uint32_t face);
 
 /// Reads, checks and decodes a side of a cell, with what it is told against. key: the thread's own.
 Result<FarFace> read_far_side(const ModelSource& source, FarCellId cell, uint32_t face, FarKey& key);

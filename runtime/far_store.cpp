@@ -1,6 +1,7 @@
 #include "runtime/far_store.h"
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 
 #include "runtime/far_stage.h"
@@ -8,8 +9,9 @@
 namespace promenade {
 namespace {
 
-constexpr uint64_t kComfortableCells = 8;  // the eye's, the last one's, and where it may go
-constexpr uint64_t kMemoryPart = 4;        // of the session's: no more than this, unless two cells need it
+constexpr uint64_t kComfortableCells = 12;  // the eye's, the last one's, six ahead, and some beside
+constexpr uint64_t kLeastCells = 3;         // the eye's, the last one's, the next; and what is around two of them
+constexpr uint64_t kMemoryPart = 4;         // of the session's: no more than this, unless those need it
 constexpr size_t kMostFailures = 8;
 
 }  // namespace
@@ -31,11 +33,11 @@ struct FarStore::State {
   };
 
   const FarCellRecord& record(FarCellId id) const { return tables.cells[index_of(id)]; }
-  /// Staged and uploaded at once: before a side has been handed over it may be both.
+  /// Each side staged or uploaded; while one is handed over it may be both, which `handing_bytes` has.
   uint64_t bytes_of(FarCellId id) const {
     uint64_t bytes = 0;
     for (uint32_t i = 0; i < record(id).face_count; ++i)
-      bytes += 2 * far_side_bytes(source, renderer, record(id).first_face + i).staged;
+      bytes += far_side_bytes(source, renderer, record(id).first_face + i).staged;
     return bytes;
   }
   size_t place_of(FarCellId id) const {
@@ -45,12 +47,13 @@ struct FarStore::State {
   void give_up(std::map<FarCellId, Cell>::iterator cell);
   void fail(FarCellId id, const Error& error);
   std::optional<FarCellId> choose();
+  bool upload_one(Renderer& into);
 
   const ModelSource& source;
   const Renderer& renderer;
   const FarTables& tables;
   FarKey key;  ///< the loader's own
-  uint64_t capacity_bytes = 0, decoding_bytes = 0;
+  uint64_t capacity_bytes = 0, decoding_bytes = 0, handing_bytes = 0;
   mutable std::mutex mutex;
   std::vector<FarCellId> wanted;
   std::map<FarCellId, Cell> cells;
@@ -116,15 +119,21 @@ FarStore::FarStore(const ModelSource& source, const Renderer& renderer, uint64_t
   State& s = *state_;
   uint64_t largest = 0;
   for (uint32_t i = 0; i < s.tables.cells.size(); ++i) largest = std::max(largest, s.bytes_of(FarCellId{i}));
-  for (uint32_t i = 0; i < s.tables.faces.size(); ++i)
-    s.decoding_bytes = std::max(s.decoding_bytes, far_side_bytes(source, renderer, i).decoding);
+  for (uint32_t i = 0; i < s.tables.faces.size(); ++i) {
+    const FarSideBytes bytes = far_side_bytes(source, renderer, i);
+    s.decoding_bytes = std::max(s.decoding_bytes, bytes.decoding);
+    s.handing_bytes = std::max(s.handing_bytes, bytes.staged);
+  }
   s.decoding_bytes += FarKey::byte_size(s.tables);
-  s.capacity_bytes = std::max(2 * largest, std::min(kComfortableCells * largest, memory_bytes / kMemoryPart));
+  s.capacity_bytes = std::max((kLeastCells + 2 * s.tables.outer.size()) * largest,
+                              std::min(kComfortableCells * largest, memory_bytes / kMemoryPart));
 }
 
 FarStore::~FarStore() = default;
 
-uint64_t FarStore::bound_bytes() const { return state_->capacity_bytes + state_->decoding_bytes; }
+uint64_t FarStore::bound_bytes() const {
+  return state_->capacity_bytes + state_->decoding_bytes + state_->handing_bytes;
+}
 
 void FarStore::want(std::span<const FarCellId> cells) {
   const std::lock_guard lock(state_->mutex);
@@ -164,8 +173,17 @@ void FarStore::let_go(const Leaving& leaving, Renderer& renderer) {
   state_->used_bytes -= leaving.bytes;
 }
 
-void FarStore::upload(Renderer& renderer) {
-  State& s = *state_;
+void FarStore::upload(Renderer& renderer, double budget_ms) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
+  while (state_->upload_one(renderer) &&
+         std::chrono::duration<double, std::milli>(Clock::now() - begin).count() < budget_ms) {
+  }
+}
+
+/// A side of the most important cell that has some; false: nothing waits.
+bool FarStore::State::upload_one(Renderer& into) {
+  State& s = *this;
   FarCellId id{};
   StagedFarSide side;
   {
@@ -174,14 +192,14 @@ void FarStore::upload(Renderer& renderer) {
     for (auto it = s.cells.begin(); it != s.cells.end(); ++it)
       if (!it->second.staged.empty() && (best == s.cells.end() || s.place_of(it->first) < s.place_of(best->first)))
         best = it;
-    if (best == s.cells.end()) return;
+    if (best == s.cells.end()) return false;
     id = best->first;
     side = std::move(best->second.staged.back());
     best->second.staged.pop_back();
     ++best->second.holders;
   }
-  Result<TextureHandle> texture = renderer.create_texture(*side.texture);
-  Result<MeshHandle> mesh = texture ? renderer.create_mesh(*side.mesh, std::span(&*texture, 1)) : texture.error();
+  Result<TextureHandle> texture = into.create_texture(*side.texture);
+  Result<MeshHandle> mesh = texture ? into.create_mesh(*side.mesh, std::span(&*texture, 1)) : texture.error();
   side.mesh.reset(), side.texture.reset();
   const std::lock_guard lock(s.mutex);
   State::Cell& cell = s.cells.at(id);
@@ -191,16 +209,17 @@ void FarStore::upload(Renderer& renderer) {
   if (!mesh) {
     if (cell.holders == 0) s.fail(id, mesh.error());
     cell.failed = true;
-    return;
+    return true;
   }
   ++s.sides_uploaded;
-  if (++cell.uploaded < s.record(id).face_count) return;
+  if (++cell.uploaded < s.record(id).face_count) return true;
   // From now on only what the renderer holds.
   uint64_t bytes = 0;
-  for (const MeshHandle handle : cell.picture.meshes) bytes += renderer.bytes_of(handle);
-  for (const TextureHandle handle : cell.textures) bytes += renderer.bytes_of(handle);
+  for (const MeshHandle handle : cell.picture.meshes) bytes += into.bytes_of(handle);
+  for (const TextureHandle handle : cell.textures) bytes += into.bytes_of(handle);
   s.used_bytes -= cell.bytes - std::min(cell.bytes, bytes);
   cell.bytes = std::min(cell.bytes, bytes);
+  return true;
 }
 
 void FarStore::clear(Renderer& renderer) {

@@ -26,7 +26,8 @@ class FarStore {
   FarStore(const FarStore&) = delete;
   FarStore& operator=(const FarStore&) = delete;
 
-  /// The most that all pictures take, with one being decoded: room for two cells at least, for a few if they are small.
+  /// The most that all pictures take, with one being decoded: room for three cells at least, for a dozen if they are
+  /// small.
   uint64_t bound_bytes() const;
 
   // --- choose ---
@@ -50,8 +51,8 @@ class FarStore {
 
   // --- render ---
   void let_go(const Leaving& leaving, Renderer& renderer);
-  /// Hands one side that was loaded to the renderer, so that no frame takes a whole picture.
-  void upload(Renderer& renderer);
+  /// Hands sides that were loaded to the renderer: one, and more until budget_ms are over.
+  void upload(Renderer& renderer, double budget_ms);
   /// Destroys every handle.
   void clear(Renderer& renderer);
 

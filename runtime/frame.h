@@ -51,13 +51,14 @@ struct FrameRow {
   bool vlod_missing = false;     ///< the policy asks for the cell's vLOD, which is not read yet: the tree alone served
   uint64_t far_layers = 0;       ///< far pictures drawn: 2 while one fades into the next; 0: geometry alone
   uint64_t far_triangles = 0;    ///< of them, in triangles_drawn, too
-  bool far_crossed = false;      ///< into another far cell than in the frame before
-  bool far_late = false;         ///< the last far cell's picture stood in
-  bool far_missing = false;      ///< geometry stood in for a far cell's picture
-  uint64_t nodes_foreseen = 0;   ///< that may be wanted soon, besides those that are
-  uint64_t range_cells = 0;      ///< that the eye may be in within the horizon
-  uint64_t delta_nodes = 0;      ///< that came or went with the vLOD that is now used
-  uint64_t delta_bytes = 0;      ///< that it took on disk
+  std::optional<FarCellId> far_cell;  ///< whose picture was drawn, of the innermost shell
+  bool far_crossed = false;           ///< into another far cell than in the frame before
+  bool far_late = false;              ///< the last far cell's picture stood in
+  bool far_missing = false;           ///< geometry stood in for a far cell's picture
+  uint64_t nodes_foreseen = 0;        ///< that may be wanted soon, besides those that are
+  uint64_t range_cells = 0;           ///< that the eye may be in within the horizon
+  uint64_t delta_nodes = 0;           ///< that came or went with the vLOD that is now used
+  uint64_t delta_bytes = 0;           ///< that it took on disk
   std::vector<uint32_t> nodes_by_level;
   double draw_cpu_ms = 0;  ///< processor time of drawing, all threads but those that load and choose
   /// What that was expected to be: an estimate that other programs on the machine do not disturb. 0: no cost model.

@@ -102,19 +102,26 @@ void FrameChooser::follow_far(const FrameWish& wish, SelectView& seen, FrameRow&
   const glm::dvec3 eye = wish.camera.pose.eye - source_.model().manifest.origin;
   FarStore& store = *shared_.far;
   store.want(far_->wanted(eye, seen.velocity_m_per_s));
-  far_->follow(eye, wish.fade_frames, [&store](FarCellId cell) { return store.find(cell).has_value(); });
+  const FarTables& tables = *source_.far();
+  far_->follow(eye, wish.fade_frames, [&](FarCellId cell) {
+    const std::vector<FarCellId> chain = chain_of(tables, cell);
+    return std::all_of(chain.begin(), chain.end(), [&](FarCellId each) { return store.find(each).has_value(); });
+  });
   row.far_crossed = last_far_ && far_->cell() && *last_far_ != *far_->cell();
   last_far_ = far_->cell();
   row.far_late = far_->is_late(), row.far_missing = far_->is_missing();
+  row.far_cell = far_->shown();
   seen.near = far_->near();
   if (wish.far_style == FarStyle::near_only) return;
   for (const FarLayer& layer : far_->layers()) {
-    const std::optional<FarStore::Picture> picture = store.find(layer.cell);
-    if (!picture) continue;  // the loader has given it up since
-    for (const MeshHandle mesh : picture->meshes)
-      far_items_.push_back({mesh, kNoNode, glm::mat4(1), layer.from, layer.to});
-    row.far_triangles += picture->triangles;
     ++row.far_layers;
+    for (const FarCellId cell : chain_of(tables, layer.cell)) {
+      const std::optional<FarStore::Picture> picture = store.find(cell);
+      if (!picture) continue;  // the loader has given it up since
+      for (const MeshHandle mesh : picture->meshes)
+        far_items_.push_back({mesh, kNoNode, glm::mat4(1), layer.from, layer.to});
+      row.far_triangles += picture->triangles;
+    }
   }
 }
 

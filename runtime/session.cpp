@@ -179,7 +179,7 @@ Status Session::State::open_far(uint64_t& bytes) {
   if (store->bound_bytes() > memory_bytes / kPart) {
     if (!needed) return Done{};
     return Error{fmt::format(
-        "policy {}: two cells' far pictures take {} MiB, half of the memory bound must hold them: "
+        "policy {}: far pictures of the least number of cells take {} MiB, half of the memory bound must hold them: "
         "{} MiB or more",
         name_of(options.select.policy), store->bound_bytes() >> 20, (kPart * store->bound_bytes() >> 20) + 1)};
   }
@@ -197,7 +197,7 @@ void Session::State::let_go(const ChosenFrame& frame) {
 double Session::State::upload() {
   const Clock::time_point begin = Clock::now();
   set->upload(renderer, options.upload_budget_ms);
-  if (far_store) far_store->upload(renderer);
+  if (far_store) far_store->upload(renderer, options.upload_budget_ms);
   return ms_since(begin);
 }
 

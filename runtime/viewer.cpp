@@ -127,6 +127,7 @@ class Viewer {
   double time_s_ = 0;            ///< of the animations
   double bird_m_ = kFirstBirdM;  ///< how high the bird is
   BoxColors boxes_ = BoxColors::none;
+  std::optional<Policy> brute_from_;  ///< what brute force stands in for
   bool recording_ = false;
   CameraPath path_, recorded_;  ///< being recorded; the last that was
   FramePlots plots_;
@@ -189,6 +190,7 @@ void Viewer::read_keys(double dt_s) {
   if (pressed(GLFW_KEY_B)) bird_ = !bird_;
   if (pressed(GLFW_KEY_T)) playing_ = !playing_;
   if (pressed(GLFW_KEY_V)) boxes_ = static_cast<BoxColors>((static_cast<int>(boxes_) + 1) % 5);
+  if (pressed(GLFW_KEY_N)) message_ = show_next_style(session_, source_, brute_from_);
   if (pressed(GLFW_KEY_H)) panel_ = !panel_;
   if (pressed(GLFW_KEY_HOME)) by_itself_.glide(camera_.pose, home_);
   if (pressed(GLFW_KEY_L)) {
@@ -289,7 +291,7 @@ Status Viewer::draw(const FrameRow& row) {
   PROMENADE_TRY(present());
   if (bird_ || boxes_ != BoxColors::none)
     draw_overlay(perspective_view(shown, source_.model().manifest.origin), source_, session_, boxes_,
-                 bird_ ? &own : nullptr, row.cell);
+                 bird_ ? &own : nullptr, row);
   return Done{};
 }
 
@@ -366,7 +368,8 @@ void Viewer::draw_panel(const FrameRow& row) {
       "drag: look   double click: go there   WASD, arrows, space, C: move   G: walk or fly   Q E: roll   wheel: speed  "
       " "
       "F: straighten   Home: back to the start   1-9: bookmark, Ctrl + 1-9: set it   B: bird's eye (wheel: height)   "
-      "V: boxes of nodes   T: what moves stops or goes on   P: picture   R: record   L: replay   H: hide this   Esc: "
+      "V: boxes of nodes   N: near and far, near, far, brute force   T: what moves stops or goes on   P: picture   R: "
+      "record   L: replay   H: hide this   Esc: "
       "quit");
   ImGui::PopTextWrapPos();
   ImGui::End();

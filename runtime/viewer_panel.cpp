@@ -12,6 +12,7 @@ namespace {
 constexpr double kPyramidM = 60;  // length of a view pyramid, shown
 constexpr ImU32 kCellColor = IM_COL32(255, 230, 40, 255), kNeighbourColor = IM_COL32(255, 230, 40, 110),
                 kPyramidColor = IM_COL32(255, 60, 200, 255);
+constexpr ImU32 kFarCellColor = IM_COL32(60, 240, 240, 255), kFarBoxColor = IM_COL32(60, 140, 255, 255);
 
 ImU32 packed(const glm::u8vec4& c, int opacity) { return IM_COL32(c.r, c.g, c.b, opacity); }
 
@@ -83,13 +84,43 @@ namespace {
 
 void draw_far_style_setting(Session& session) {
   FarStyle& style = session.far_style();
-  if (!ImGui::BeginCombo("near and far", std::string(name_of(style)).c_str())) return;
+  if (!ImGui::BeginCombo("near and far (N)", std::string(name_of(style)).c_str())) return;
   for (const FarStyle each : {FarStyle::full, FarStyle::near_only, FarStyle::far_only})
     if (ImGui::Selectable(std::string(name_of(each)).c_str(), each == style)) style = each;
   ImGui::EndCombo();
 }
 
+/// The far cell whose picture is shown, and the boxes of its shells.
+template <class In>
+void draw_far_boxes(const RasterView& view, const FarTables& tables, FarCellId shown, const In& in) {
+  for (const FarCellId cell : chain_of(tables, shown)) {
+    const DBox box = cell_box(tables, cell);
+    draw_box(view, {glm::vec3(box.min), glm::vec3(box.max)}, in(kFarCellColor, 1.5F));
+    draw_box(view, near_box(tables, cell), in(kFarBoxColor, 2));
+  }
+}
+
 }  // namespace
+
+std::string show_next_style(Session& session, const ModelSource& source, std::optional<Policy>& brute_from) {
+  Policy& policy = session.select_options().policy;
+  FarStyle& style = session.far_style();
+  if (source.far() == nullptr) return "no far pictures: build the model with --far-pictures";
+  if (policy == Policy::none && brute_from) {
+    policy = *brute_from, style = FarStyle::full;
+    brute_from.reset();
+  } else if (!uses_far(policy)) {
+    policy = Policy::stratified, style = FarStyle::full;
+  } else if (style == FarStyle::far_only) {
+    brute_from = policy, policy = Policy::none, style = FarStyle::full;
+    return "brute force";
+  } else {
+    style = style == FarStyle::full ? FarStyle::near_only : FarStyle::far_only;
+  }
+  return std::string(style == FarStyle::full        ? "near geometry, far pictures"
+                     : style == FarStyle::near_only ? "near geometry alone"
+                                                    : "far pictures alone");
+}
 
 /// Everything that a policy can be told.
 void draw_settings(Session& session) {
@@ -149,7 +180,7 @@ void draw_box_colors_setting(BoxColors& colors) {
 }
 
 void draw_overlay(const RasterView& view, const ModelSource& source, const Session& session, BoxColors colors,
-                  const Camera* walker, std::optional<CellId> cell) {
+                  const Camera* walker, const FrameRow& row) {
   ImDrawList* lines = ImGui::GetBackgroundDrawList();
   const auto in = [lines](ImU32 color, float width) {
     return [lines, color, width](const Line& line) {
@@ -173,11 +204,12 @@ void draw_overlay(const RasterView& view, const ModelSource& source, const Sessi
   }
   if (walker == nullptr) return;
   draw_pyramid(view, *walker, source.model().manifest.origin, kPyramidM, in(kPyramidColor, 2));
+  if (source.far() != nullptr && row.far_cell) draw_far_boxes(view, *source.far(), *row.far_cell, in);
   const CellTables* cells = source.cells();
-  if (cells == nullptr || !cell) return;
-  for (const uint32_t face : cells->faces_of(*cell))
-    draw_box(view, cells->cells[index_of(cells->faces[face].other(*cell))].box, in(kNeighbourColor, 1));
-  draw_box(view, cells->cells[index_of(*cell)].box, in(kCellColor, 2));
+  if (cells == nullptr || !row.cell) return;
+  for (const uint32_t face : cells->faces_of(*row.cell))
+    draw_box(view, cells->cells[index_of(cells->faces[face].other(*row.cell))].box, in(kNeighbourColor, 1));
+  draw_box(view, cells->cells[index_of(*row.cell)].box, in(kCellColor, 2));
 }
 
 }  // namespace promenade

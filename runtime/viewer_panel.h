@@ -34,13 +34,19 @@ class FramePlots {
 /// Sliders and boxes for all that the policies can be told. Between Panels::begin() and end().
 void draw_settings(Session& session);
 
+/// To the next of [xiong1996]'s styles: near geometry with far pictures, near alone, far alone, brute force. Other
+/// policies give way to `stratified`. brute_from: the policy that brute force stands in for; the caller keeps it.
+/// Returns what is shown now, or why there is no such thing.
+std::string show_next_style(Session& session, const ModelSource& source, std::optional<Policy>& brute_from);
+
 /// What boxes are drawn over the picture, and what their colours say.
 enum class BoxColors : uint8_t { none, level, triangles, error, resident };
 void draw_box_colors_setting(BoxColors& colors);
 
 /// Draws, behind the panels, into the picture that `view` took: boxes of the nodes drawn (or resident) in false
-/// colours, and, of a bird's eye, the walker's view pyramid, its cell and that cell's neighbours.
+/// colours, and, of a bird's eye, the walker's view pyramid, its cell and that cell's neighbours; and, where far
+/// pictures are drawn, their cell and the box around it within which is geometry. row: of the frame shown.
 void draw_overlay(const RasterView& view, const ModelSource& source, const Session& session, BoxColors colors,
-                  const Camera* walker, std::optional<CellId> cell);
+                  const Camera* walker, const FrameRow& row);
 
 }  // namespace promenade

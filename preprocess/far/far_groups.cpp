@@ -5,16 +5,14 @@
 
 namespace promenade {
 
-glm::uvec3 coordinates_of(const FarTables& tables, uint64_t place) {
-  const uint64_t rest = place / tables.counts.x;
-  return {place % tables.counts.x, rest % tables.counts.y, rest / tables.counts.y};
-}
+glm::uvec3 coordinates_of(const FarTables& tables, uint64_t place) { return grid_place_of(tables, place).at; }
 
 std::vector<FarGroup> far_groups(const FarTables& tables, std::span<const uint64_t> places) {
-  std::map<std::array<uint32_t, 3>, FarGroup> cubes;
+  std::map<std::array<uint32_t, 4>, FarGroup> cubes;
   for (const uint64_t place : places) {
-    const glm::uvec3 cube = coordinates_of(tables, place) / kFarGroupCells;
-    cubes[{cube.z, cube.y, cube.x}].places.push_back(place);
+    const FarGridPlace found = grid_place_of(tables, place);
+    const glm::uvec3 cube = found.at / kFarGroupCells;
+    cubes[{found.shell, cube.z, cube.y, cube.x}].places.push_back(place);
   }
   std::vector<FarGroup> groups;
   groups.reserve(cubes.size());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/cube_side.h"
 #include "layout/cell_front.h"
 
 namespace promenade {
@@ -53,18 +54,21 @@ Result<FarScene::Held> FarScene::get(NodeId id) const {
       });
 }
 
-Result<FarView> FarView::make(const FarScene& scene, const glm::dvec3& centre, double box_m, uint32_t levels) {
+Result<FarView> FarView::make(const FarScene& scene, const FarReach& reach, uint32_t levels) {
   const Model& model = scene.model().model();
   FarView view;
-  view.centre_ = centre, view.box_m_ = box_m, view.levels_ = levels;
-  const double half_m = box_m / 2;
+  view.reach_ = reach, view.levels_ = levels;
+  const glm::dvec3 centre = reach.centre;
+  const double half_m = reach.box_m / 2;
   const Box eye{glm::vec3(centre), glm::vec3(centre)};
   const Box near{glm::vec3(centre - half_m), glm::vec3(centre + half_m)};
   const FrontBound bound{kFrontErrorTexels, {double(1U << levels) / 2, 0}};
   std::vector<const MipTexture*> textures(model.tables.textures.size(), nullptr);
   for (const NodeId id : cell_front(model, eye, bound)) {
     if (model.is_moving(id)) continue;  // drawn where it is, whatever the distance
-    if (near.contains(model.tables.nodes[index_of(id)].box)) continue;
+    const Box& box = model.tables.nodes[index_of(id)].box;
+    if (near.contains(box)) continue;
+    if (reach.within && !reach.within->overlaps(DBox{box.min, box.max})) continue;
     Result<FarScene::Held> held = scene.get(id);
     if (!held) return held.error();
     for (const auto& [index, picture] : held->textures) textures[index] = picture.get();
@@ -76,17 +80,33 @@ Result<FarView> FarView::make(const FarScene& scene, const glm::dvec3& centre, d
   return view;
 }
 
+/// What another shell shows.
+void FarView::cut_off(uint32_t side, std::vector<float>& depth_m) const {
+  if (!reach_.within) return;
+  const CubeSide axes = cube_side(side);
+  const uint32_t pixels = (1U << levels_) + 1;
+  const double middle = double(pixels - 1) / 2;
+  for (uint32_t y = 0, i = 0; y < pixels; ++y)
+    for (uint32_t x = 0; x < pixels; ++x, ++i) {
+      if (!std::isfinite(depth_m[i])) continue;
+      const glm::dvec3 way = axes.forward + (x - middle) / middle * axes.right + (middle - y) / middle * axes.up;
+      if (!reach_.within->contains(reach_.centre + double(depth_m[i]) * way))
+        depth_m[i] = std::numeric_limits<float>::infinity();
+    }
+}
+
 Result<bool> FarView::draw(uint32_t side, Image& colors, std::vector<float>& depth_m) {
   // Ninety degrees between the centres of the outermost pixels: sides meet in them. What lies within the box is cut
   // off by the near plane: the six pyramids beyond it are all that is outside.
   const uint32_t pixels = (1U << levels_) + 1;
-  RasterView view = cube_face_view(centre_, static_cast<int>(side), pixels, box_m_ / 2);
+  RasterView view = cube_face_view(reach_.centre, static_cast<int>(side), pixels, reach_.box_m / 2);
   view.scale_px = double(1U << levels_) / 2;
   VisibilityOptions options;
   options.threads = 1;  // cells are what runs at once
   PROMENADE_TRY(buffer_.draw(view, items_, options));
   depth_m.resize(size_t(pixels) * pixels);
   buffer_.read_depth_m(depth_m);
+  cut_off(side, depth_m);
   if (std::none_of(depth_m.begin(), depth_m.end(), [](float d) { return std::isfinite(d); })) return false;
   ShadeOptions shading;
   shading.threads = 1;

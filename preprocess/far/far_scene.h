@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -37,12 +38,19 @@ class FarScene {
   mutable std::unordered_map<uint32_t, std::weak_ptr<const MipTexture>> textures_;
 };
 
+/// What of a model a picture shows.
+struct FarReach {
+  glm::dvec3 centre{0};        ///< whence
+  double box_m = 0;            ///< length of the box around it beyond which things are shown
+  std::optional<DBox> within;  ///< nothing outside it is; nullopt: all
+};
+
 /// What is seen from one place of everything outside a box around it. One thread.
 class FarView {
  public:
-  /// Takes the coarsest front whose error is at most half a texel. box_m: length of the box; levels: of the faces'
-  /// grids. Errors: reading the model.
-  static Result<FarView> make(const FarScene& scene, const glm::dvec3& centre, double box_m, uint32_t levels);
+  /// Takes the coarsest front whose error is at most half a texel. levels: of the faces' grids. Errors: reading the
+  /// model.
+  static Result<FarView> make(const FarScene& scene, const FarReach& reach, uint32_t levels);
 
   /// Draws a side: colours (opacity 255 where something is, 0 elsewhere), and depths in metres along the side's axis,
   /// infinity where nothing is. Returns whether anything is.
@@ -50,8 +58,8 @@ class FarView {
 
  private:
   FarView() = default;
-  glm::dvec3 centre_{0};
-  double box_m_ = 0;
+  void cut_off(uint32_t side, std::vector<float>& depth_m) const;
+  FarReach reach_;
   uint32_t levels_ = 0;
   std::vector<FarScene::Held> held_;
   std::vector<RasterItem> items_;

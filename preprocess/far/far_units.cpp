@@ -22,7 +22,7 @@ namespace promenade {
 namespace {
 
 constexpr uint64_t kVoxels = 8 << 20;  // as for the cells of visibility
-constexpr uint32_t kVersion = 2;       // of the units' content: a change makes them begin anew
+constexpr uint32_t kVersion = 3;       // of the units' content: a change makes them begin anew
 constexpr uint64_t kCachePart = 2;     // of the memory: the rest is for pictures under way
 
 std::string name_of_unit(size_t unit) { return fmt::format("far-{:06}", unit); }
@@ -56,6 +56,19 @@ std::optional<std::vector<StoredFarCell>> read_payload(std::span<const std::byte
   return cells;
 }
 
+/// The places, and those of the outer shells around them; ascending.
+std::vector<uint64_t> with_outer(const FarTables& tables, std::set<uint64_t> places) {
+  std::set<uint64_t> shell = places;
+  while (!shell.empty()) {
+    std::set<uint64_t> next;
+    for (const uint64_t place : shell)
+      if (const std::optional<uint64_t> around = place_around(tables, place)) next.insert(*around);
+    places.insert(next.begin(), next.end());
+    shell = std::move(next);
+  }
+  return {places.begin(), places.end()};
+}
+
 /// Where the eye may be: along the given places, or wherever there is open space.
 Result<std::vector<uint64_t>> choose_places(const ModelReader& reader, const FarTables& tables,
                                             const FarOptions& options, JobMonitor& monitor) {
@@ -65,7 +78,7 @@ Result<std::vector<uint64_t>> choose_places(const ModelReader& reader, const Far
       if (const std::optional<uint64_t> place = far_place_at(tables, point - reader.model().manifest.origin))
         places.insert(*place);
     if (places.empty()) return Error{"--far-path: none of its places lies in the model's viewing space"};
-    return std::vector<uint64_t>(places.begin(), places.end());
+    return with_outer(tables, places);
   }
   const uint64_t count = uint64_t(tables.counts.x) * tables.counts.y * tables.counts.z;
   constexpr uint64_t kMostLooked = uint64_t(1) << 26;  // a survey's cubes are eight million
@@ -78,12 +91,12 @@ Result<std::vector<uint64_t>> choose_places(const ModelReader& reader, const Far
   Result<ViewVolume> volume = survey_volume(reader, space, kVoxels, monitor);
   if (!volume) return volume.error();
   if (options.height_m) volume->keep_walkable(static_cast<float>(*options.height_m));
-  std::vector<uint64_t> places;
+  std::set<uint64_t> places;
   for (uint64_t place = 0; place < count; ++place) {
     const DBox box = box_of_place(tables, place);
-    if (volume->is_open({glm::vec3(box.min), glm::vec3(box.max)})) places.push_back(place);
+    if (volume->is_open({glm::vec3(box.min), glm::vec3(box.max)})) places.insert(places.end(), place);
   }
-  return places;
+  return with_outer(tables, places);
 }
 
 /// All units: what the threads share.
@@ -98,7 +111,9 @@ class FarBatch {
         monitor_(monitor),
         cells_(places.size()),
         groups_(far_groups(tables, places)),
-        scene_(reader, memory_bytes / kCachePart) {}
+        scene_(reader, memory_bytes / kCachePart) {
+    for (const FarShell& shell : shells_of(tables)) figures.shells.push_back({shell.box_m, shell.cell_m, 0, 0, 0});
+  }
 
   Status run() {
     const size_t units = groups_.size();
@@ -163,7 +178,8 @@ class FarBatch {
     FarReference reference;
     const glm::ivec3 from(coordinates_of(tables_, place)), to(coordinates_of(tables_, key_place));
     for (int i = 0; i < 3; ++i) reference.places[static_cast<size_t>(i)] = static_cast<int8_t>(to[i] - from[i]);
-    reference.offset = offset_from_reference(reference.places, tables_.cell_m, tables_.box_m);
+    const FarShell shell = grid_place_of(tables_, place).grid;
+    reference.offset = offset_from_reference(reference.places, shell.cell_m, shell.box_m);
     for (size_t s = 0; s < 6; ++s)
       if (key[s]) reference.sides[s] = &*key[s];
     for (uint32_t s = 0; s < 6; ++s) {
@@ -201,6 +217,9 @@ class FarBatch {
       ++figures.cells;
       figures.cells_with_pictures += cell.faces.empty() ? 0U : 1U;
       figures.faces += cell.faces.size();
+      FarShellFigures& shell = figures.shells[grid_place_of(tables_, cell.place).shell];
+      ++shell.cells, shell.faces += cell.faces.size();
+      for (const StoredFarCell::Face& face : cell.faces) shell.bytes += face.bytes.size();
       figures.parallax_max_rad = std::max(figures.parallax_max_rad, double(cell.parallax_rad));
       for (const StoredFarCell::Face& face : cell.faces) {
         faces_bytes += face.bytes.size(), triangles += face.triangles;

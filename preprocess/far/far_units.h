@@ -9,6 +9,11 @@
 
 namespace promenade {
 
+struct FarShellFigures {
+  double box_m = 0, cell_m = 0;
+  uint64_t cells = 0, faces = 0, bytes = 0;
+};
+
 struct FarFigures {
   uint64_t cells = 0, cells_with_pictures = 0, faces = 0;
   uint64_t faces_told = 0;  ///< against a neighbour's
@@ -20,6 +25,7 @@ struct FarFigures {
   double texel_bytes_mean = 0;  ///< the same, uncompressed: three bytes a texel
   double ms_per_cell = 0;       ///< of one core; of those computed now
   uint64_t units = 0, units_resumed = 0, cells_computed = 0;
+  std::vector<FarShellFigures> shells;  ///< from within outwards
 };
 
 struct FarUnits {

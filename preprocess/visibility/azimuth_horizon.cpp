@@ -11,12 +11,14 @@ namespace {
 constexpr double kAround = 4;       // a full turn in the angle used here
 constexpr double kRounding = 1e-6;  // relative; floats of distances and slopes
 constexpr double kLeastM = 1e-3;    // nearer to the eye than this nothing is trusted
+/// What of a side lies within a bin is nearer than both its ends by at most this part: bins are at most 8 / kBins rad.
+constexpr double kBulge = 32.0 / AzimuthHorizon::kBins / AzimuthHorizon::kBins;
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 /// Grows with the angle from +x counter-clockwise, [0, 4): where the direction meets the square |x| + |y| = 1.
 double turn_of(const glm::dvec2& d) {
-  const double t = d.y / (std::abs(d.x) + std::abs(d.y));
+  const double t = d.y / std::max(std::abs(d.x) + std::abs(d.y), std::numeric_limits<double>::min());
   const double turn = d.x >= 0 ? (d.y >= 0 ? t : 4 + t) : 2 - t;
   return turn < kAround ? turn : 0;
 }
@@ -33,11 +35,11 @@ constexpr double kBinsATurn = AzimuthHorizon::kBins / kAround;
 constexpr uint32_t kBinMask = AzimuthHorizon::kBins - 1;
 static_assert((AzimuthHorizon::kBins & kBinMask) == 0);
 
-/// Boundaries of bins as directions.
+/// Boundaries of bins as directions, unit.
 const std::vector<glm::dvec2>& boundaries() {
   static const std::vector<glm::dvec2> directions = [] {
     std::vector<glm::dvec2> d(AzimuthHorizon::kBins);
-    for (uint32_t i = 0; i < AzimuthHorizon::kBins; ++i) d[i] = direction_at(double(i) / kBinsATurn);
+    for (uint32_t i = 0; i < AzimuthHorizon::kBins; ++i) d[i] = glm::normalize(direction_at(double(i) / kBinsATurn));
     return d;
   }();
   return directions;
@@ -64,68 +66,68 @@ bool meets(const Box& clear, const glm::vec2& a, const glm::vec2& b) {
 }  // namespace
 
 /// Follows a polygon around the eye and hands over each bin that it crosses from one boundary to the other, on whatever
-/// way, to and fro: only such a bin is covered as a whole.
+/// way, to and fro: only such a bin is covered as a whole. Along a side, the inverse of the distance is linear in the
+/// (unit) direction: so inverses are what is reckoned with.
 struct AzimuthHorizon::Walk {
   enum class From : uint8_t { unknown, clockwise_end, counter_clockwise_end };
   AzimuthHorizon& horizon;
+  const std::vector<glm::dvec2>& ways = boundaries();
   From from = From::unknown;  ///< the boundary over which the bin was entered
   uint32_t bin = 0;
-  double nearest_m = 0, farthest_m = 0;  ///< since then
-  uint32_t events = 0;                   ///< boundaries crossed and new starts made
-  glm::dvec2 last{0};                    ///< the end of the last side, and its place around the eye
-  double last_turn = 0;
+  double farthest = 0, nearest = 0;  ///< least and greatest inverse distance since then
+  uint32_t events = 0;               ///< boundaries crossed and new starts made
 
   void restart() { from = From::unknown, ++events; }
 
-  /// Along one side, relative to the eye.
-  void side(const glm::dvec2& a, const glm::dvec2& b) {
-    const double turning = cross(a, b);
-    const glm::dvec2 along = b - a;
-    const double length = glm::length(along);
-    if (length <= 0) return;
-    const double off_m = std::abs(turning) / length;  // of the side's line from the eye
-    const double turn_a = a == last ? last_turn : turn_of(a) * kBinsATurn, turn_b = turn_of(b) * kBinsATurn;
-    last = b, last_turn = turn_b;
-    const auto bin_a = static_cast<uint32_t>(turn_a) & kBinMask, bin_b = static_cast<uint32_t>(turn_b) & kBinMask;
+  /// Along one side between corners a and b.
+  void side(const Corner& a, const Corner& b) {
+    const uint32_t bin_a = a.bin(), bin_b = b.bin();
     if (events == 0 || bin != bin_a) {
       restart();
       bin = bin_a;
     }
-    // Seen edge-on: it stays in its bin, or which way it goes around the eye is uncertain.
-    if (off_m < kLeastM && (bin_a != bin_b || glm::dot(a, b) <= 0)) return restart();
+    if (bin_a == bin_b) {
+      if (glm::dot(a.off, b.off) <= 0) return restart();  // beside the eye: which way it goes around is uncertain
+      farthest = std::min({farthest, a.inverse, b.inverse}), nearest = std::max({nearest, a.inverse, b.inverse});
+      return;
+    }
+    cross_bins(a, b);
+  }
+
+  void cross_bins(const Corner& a, const Corner& b) {
+    const uint32_t bin_b = b.bin();
+    const glm::dvec2 along = b.off - a.off;
+    const double turning = cross(a.off, b.off);
+    // Seen edge-on: likewise.
+    if (turning * turning < kLeastM * kLeastM * glm::dot(along, along)) return restart();
     const bool ccw = turning > 0;
-    uint32_t steps = ccw ? (bin_b - bin_a) & kBinMask : (bin_a - bin_b) & kBinMask;
+    uint32_t steps = ccw ? (bin_b - bin) & kBinMask : (bin - bin_b) & kBinMask;
     if (steps > kBins / 2 + 1) return restart();  // rounding put an end beyond a boundary: not a real sweep
-    if (steps > 0 && !horizon.wanted(ccw ? bin : bin_b, steps + 1)) {
+    if (!horizon.wanted(ccw ? bin : bin_b, steps + 1)) {
       restart();
       bin = bin_b;
       return;
     }
-    const double foot = -glm::dot(a, along) / (length * length);  // where the eye is nearest to the line
-    double t = 0, r = glm::length(a);
-    const std::vector<glm::dvec2>& ways = boundaries();
-    const auto advance = [&](double to, double r_to) {
-      const double least = t <= foot && foot <= to ? off_m : std::min(r, r_to);
-      nearest_m = std::min(nearest_m, least), farthest_m = std::max({farthest_m, r, r_to});
-      t = to, r = r_to;
-    };
+    const glm::dvec2 inverse_by_way = glm::dvec2(along.y, -along.x) / turning;
+    // Rounding may put a boundary a hair beyond an end.
+    const double foot = std::sqrt(glm::dot(inverse_by_way, inverse_by_way));
     const From entry = ccw ? From::clockwise_end : From::counter_clockwise_end;
+    farthest = std::min(farthest, a.inverse), nearest = std::max(nearest, a.inverse);
     for (; steps > 0; --steps) {
       const uint32_t next = (ccw ? bin + 1 : bin - 1) & kBinMask;
       if (!horizon.wanted(bin, 1) && !horizon.wanted(next, 1)) {
         bin = next, from = From::unknown, ++events;
         continue;
       }
-      const glm::dvec2& way = ways[ccw ? next : bin];
-      // a + s along lies on the way: cross(a, way) + s cross(along, way) = 0
-      const double s = std::clamp(-cross(a, way) / cross(along, way), t, 1.0);
-      advance(s, glm::length(a + along * s));
-      if (from == entry) horizon.commit(bin, nearest_m, farthest_m);
+      const double at_boundary = glm::dot(ways[ccw ? next : bin], inverse_by_way);
+      const double inverse = std::max(std::min(at_boundary, foot), std::min(a.inverse, b.inverse));
+      farthest = std::min(farthest, inverse), nearest = std::max(nearest, inverse);
+      if (from == entry) horizon.commit(bin, nearest, farthest);
       bin = next;
       from = entry, ++events;
-      nearest_m = farthest_m = r;
+      farthest = nearest = inverse;
     }
-    advance(1, glm::length(b));
+    farthest = std::min(farthest, b.inverse), nearest = std::max(nearest, b.inverse);
   }
 };
 
@@ -165,14 +167,14 @@ bool AzimuthHorizon::wanted(uint32_t first_bin, uint32_t bins) const {
   return wanted_[kBins] != wanted_[first_bin] || wanted_[end - kBins] != wanted_[0];
 }
 
-void AzimuthHorizon::commit(uint32_t bin, double nearest_m, double farthest_m) {
+void AzimuthHorizon::commit(uint32_t bin, double nearest, double farthest) {
   if (!wanted(bin, 1)) return;
-  const double steep = rise_m_ / (rise_m_ > 0 ? farthest_m : nearest_m);
-  const auto distance = static_cast<float>(farthest_m * (1 + kRounding));
+  const double steep = rise_m_ * (rise_m_ > 0 ? farthest : nearest * (1 + kBulge));
+  const auto nearness = static_cast<float>(farthest * (1 - kRounding));
   const auto slope = static_cast<float>(steep - std::abs(steep) * kRounding);
   Bin& b = bins_[bin];
   uint32_t at = 0;
-  while (at < b.count && b.distance_m[at] <= distance) ++at;
+  while (at < b.count && b.nearness[at] >= nearness) ++at;
   if (at > 0 && b.slope[at - 1] >= slope) return;  // a nearer one is as steep
   uint32_t end = at;
   while (end < b.count && b.slope[end] <= slope) ++end;  // farther ones that are not steeper
@@ -181,35 +183,45 @@ void AzimuthHorizon::commit(uint32_t bin, double nearest_m, double farthest_m) {
     uint32_t least = 1;
     for (uint32_t i = 2; i < b.count; ++i)
       if (b.slope[i] - b.slope[i - 1] < b.slope[least] - b.slope[least - 1]) least = i;
-    for (uint32_t i = least; i + 1 < b.count; ++i) b.distance_m[i] = b.distance_m[i + 1], b.slope[i] = b.slope[i + 1];
+    for (uint32_t i = least; i + 1 < b.count; ++i) b.nearness[i] = b.nearness[i + 1], b.slope[i] = b.slope[i + 1];
     --b.count;
     if (least < at) --at;
     end = at;
   }
   if (end == at) {
-    for (uint32_t i = b.count; i > at; --i) b.distance_m[i] = b.distance_m[i - 1], b.slope[i] = b.slope[i - 1];
+    for (uint32_t i = b.count; i > at; --i) b.nearness[i] = b.nearness[i - 1], b.slope[i] = b.slope[i - 1];
     ++b.count;
   } else {
     const uint32_t gone = end - at - 1;
     for (uint32_t i = at + 1; i + gone < b.count; ++i)
-      b.distance_m[i] = b.distance_m[i + gone], b.slope[i] = b.slope[i + gone];
+      b.nearness[i] = b.nearness[i + gone], b.slope[i] = b.slope[i + gone];
     b.count -= gone;
   }
-  b.distance_m[at] = distance, b.slope[at] = slope;
+  b.nearness[at] = nearness, b.slope[at] = slope;
 }
 
 void AzimuthHorizon::add(std::span<const glm::vec2> polygon, float top_m, const Box& clear) {
   rise_m_ = double(top_m) - eye_.z;
-  Walk walk{*this};
   const glm::dvec2 eye(eye_);
   const size_t n = polygon.size();
-  for (size_t i = 0; i < 2 * n; ++i) {
-    const glm::vec2 &a = polygon[i % n], &b = polygon[(i + 1) % n];
+  corners_.resize(n);
+  glm::vec2 low(std::numeric_limits<float>::infinity()), high = -low;
+  for (size_t i = 0; i < n; ++i) {
+    Corner& corner = corners_[i];
+    corner.off = glm::dvec2(polygon[i]) - eye;
+    corner.turn = turn_of(corner.off) * kBinsATurn;
+    corner.inverse = 1 / glm::length(corner.off);
+    low = glm::min(low, polygon[i]), high = glm::max(high, polygon[i]);
+  }
+  const bool near = overlaps(clear, low, high);
+  Walk walk{*this};
+  for (size_t i = 0, k = 0, next = 0; i < 2 * n; ++i, k = next) {
+    next = k + 1 == n ? 0 : k + 1;
     const uint32_t events = walk.events;
-    if (meets(clear, a, b))
+    if (near && meets(clear, polygon[k], polygon[next]))
       walk.restart();
     else
-      walk.side(glm::dvec2(a) - eye, glm::dvec2(b) - eye);
+      walk.side(corners_[k], corners_[next]);
     // Once around, and on until the bin that the walk began in is done.
     if (i + 1 >= n && walk.events != events) break;
   }
@@ -219,7 +231,8 @@ BoxInView AzimuthHorizon::view_of(const Box& box) const {
   const glm::dvec2 low = glm::dvec2(box.min) - glm::dvec2(eye_), high = glm::dvec2(box.max) - glm::dvec2(eye_);
   const glm::dvec2 gap = glm::max(glm::max(low, -high), glm::dvec2(0));
   const double nearest = glm::length(gap);
-  if (nearest < kLeastM) return {0, kBins, 0, std::numeric_limits<float>::infinity()};
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  if (nearest < kLeastM) return {0, kBins, kInfinity, kInfinity};
   // The corners that lie farthest clockwise and counter-clockwise, by where the eye is seen from the box.
   glm::dvec2 first, last;
   if (low.x > 0)
@@ -237,7 +250,7 @@ BoxInView AzimuthHorizon::view_of(const Box& box) const {
   const double rise = double(box.max.z) - eye_.z;
   const double farthest = glm::length(glm::max(glm::abs(low), glm::abs(high)));
   const double steep = rise / (rise > 0 ? nearest : farthest);
-  return {bin_from, ((bin_to - bin_from) & kBinMask) + 1, static_cast<float>(nearest * (1 - kRounding)),
+  return {bin_from, ((bin_to - bin_from) & kBinMask) + 1, static_cast<float>((1 + kRounding) / nearest),
           static_cast<float>(steep + std::abs(steep) * kRounding)};
 }
 
@@ -245,7 +258,7 @@ bool AzimuthHorizon::hides(const BoxInView& view) const {
   for (uint32_t i = 0; i < view.bins; ++i) {
     const Bin& b = bins_[(view.first_bin + i) & kBinMask];
     uint32_t k = b.count;
-    while (k > 0 && b.distance_m[k - 1] > view.nearest_m) --k;
+    while (k > 0 && b.nearness[k - 1] < view.nearness) --k;
     if (k == 0 || b.slope[k - 1] < view.slope) return false;
   }
   return true;
@@ -253,7 +266,7 @@ bool AzimuthHorizon::hides(const BoxInView& view) const {
 
 bool AzimuthHorizon::worth_adding(const Box& box) const {
   BoxInView view = view_of(box);
-  if (view.nearest_m <= 0) return true;
+  if (std::isinf(view.nearness)) return true;
   if (!wanted(view.first_bin, view.bins)) return false;
   // Steeper than all its walls, and nothing counts that is farther than its nearest wall.
   return !hides(view);

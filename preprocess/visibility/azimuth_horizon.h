@@ -12,10 +12,11 @@
 
 namespace promenade {
 
-/// What a box is to an eye: the bins of azimuth that it lies in, its distance, the steepest slope to any of its points.
+/// What a box is to an eye: the bins of azimuth that it lies in, how near it is, the steepest slope to any of its
+/// points.
 struct BoxInView {
   uint32_t first_bin = 0, bins = 0;  ///< bins from first_bin on, around the circle
-  float nearest_m = 0;               ///< of its plan, from the eye; 0: all around, may be anywhere
+  float nearness = 0;                ///< inverse of the distance to its plan; infinity: all around, may be anywhere
   float slope = 0;                   ///< rise over horizontal distance, greatest
 };
 
@@ -49,14 +50,23 @@ class AzimuthHorizon {
   struct Bin {
     static constexpr uint32_t kMost = 7;
     uint32_t count = 0;
-    std::array<float, kMost> distance_m, slope;
+    std::array<float, kMost> nearness, slope;  ///< nearness: inverse of the distance
   };
-  void commit(uint32_t bin, double nearest_m, double farthest_m);
+  /// Of a polygon in work, from the eye.
+  struct Corner {
+    glm::dvec2 off{0};
+    double turn = 0;     ///< its place around the eye, in bins
+    double inverse = 0;  ///< of its distance
+    uint32_t bin() const { return static_cast<uint32_t>(turn) & (kBins - 1); }
+  };
+  /// A wall through all of a bin, by the inverses of its least and greatest distance.
+  void commit(uint32_t bin, double nearest, double farthest);
   bool wanted(uint32_t first_bin, uint32_t bins) const;
 
   struct Walk;
   glm::dvec3 eye_{0};
   double rise_m_ = 0;  ///< of the polygon in work: its top over the eye
+  std::vector<Corner> corners_;
   std::vector<Bin> bins_ = std::vector<Bin>(kBins);
   std::vector<uint32_t> wanted_ = std::vector<uint32_t>(kBins + 1);  ///< sums of flags
   bool all_wanted_ = true;

@@ -23,6 +23,14 @@ constexpr double kLossM = 0.15;      // what may stick out of a wall to be cut o
 constexpr float kLeastLoopM = 1.0F;  // smaller loops hide next to nothing
 constexpr double kGroundBlockM = 16;
 
+/// Whether what is solid lies around a loop, not within it.
+bool is_hole(const Loop& loop) {
+  double area = 0;
+  for (size_t i = 0, last = loop.size() - 1; i < loop.size(); last = i++)
+    area += double(loop[last].x) * double(loop[i].y) - double(loop[i].x) * double(loop[last].y);
+  return area <= 0;
+}
+
 /// What a tile contributes, with its own numbering of loops and points.
 struct TileResult {
   OccluderSet set;
@@ -219,14 +227,14 @@ void TileWork::add_loops(const Region& region, uint32_t number, float top_m,
     const std::vector<Loop> made =
         loops_at_depth(mask, depths, erosion / grid_.column_m, (kLossM + 0.25 * erosion) / grid_.column_m);
     for (const Loop& loop : made) {
-      OccluderLoop entry{top_m, base_m, static_cast<uint32_t>(result_.set.points.size()), 0, {}, {}};
+      OccluderLoop entry{top_m, base_m, static_cast<uint32_t>(result_.set.points.size()), 0, is_hole(loop), {}, {}};
       Box bounds;
       for (const glm::vec2& p : loop) {
         const glm::vec2 point(low + glm::dvec2(p) * grid_.column_m);
         bounds.add({point, 0});
         result_.set.points.push_back(point);
       }
-      if (std::max(bounds.size().x, bounds.size().y) < kLeastLoopM) {
+      if (!entry.is_hole && std::max(bounds.size().x, bounds.size().y) < kLeastLoopM) {
         result_.set.points.resize(entry.first_point);
         continue;
       }

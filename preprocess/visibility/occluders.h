@@ -22,11 +22,13 @@ struct OccluderOptions {
   double least_rise_m = 1.5;  ///< lower things hide too little to be kept
 };
 
-/// A polygon such that every point of its sides (and of what lies within) is solid from base to top.
+/// A polygon such that every point of its sides is solid from base to top, and so is what lies within, but for the
+/// holes of the same occluder, erosion and top.
 struct OccluderLoop {
   float top_m = 0;
   float base_m = 0;  ///< -infinity: all the way down
   uint32_t first_point = 0, point_count = 0;
+  bool is_hole = false;       ///< what is solid lies around it: it bounds a yard, or a chimney's well in a roof
   glm::vec2 low{0}, high{0};  ///< bounds
 };
 

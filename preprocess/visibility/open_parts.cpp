@@ -26,9 +26,16 @@ class CellPlanGrid {
     open_.fill(1);
   }
 
-  /// No square that lies wholly within the polygon is open.
-  void fill(std::span<const glm::vec2> polygon) {
-    for (uint32_t y = 0; y < kSquares; ++y) fill_row(y, polygon);
+  /// No square is open that lies wholly within one of the loops and meets no hole among them.
+  void fill(const OccluderSet& set, std::span<const OccluderLoop> loops) {
+    for (uint32_t y = 0; y < kSquares; ++y) {
+      Row solid{};
+      for (const bool holes : {false, true})
+        for (const OccluderLoop& loop : loops)
+          if (loop.is_hole == holes) draw_row(y, set.points_of(loop), holes, solid);
+      for (uint32_t x = 0; x < kSquares; ++x)
+        if (solid[x] != 0) open_[size_t(y) * kSquares + x] = 0;
+    }
   }
 
   bool all_open() const {
@@ -63,11 +70,14 @@ class CellPlanGrid {
   }
 
  private:
-  /// Squares of a row that no side of the polygon comes into are inside or outside as their middles are.
-  void fill_row(uint32_t y, std::span<const glm::vec2> polygon) {
+  using Row = std::array<uint8_t, kSquares>;
+
+  /// Squares of a row that no side of the polygon comes into are inside or outside as their middles are. Those inside
+  /// are made solid; of a hole, those inside or touched are not.
+  void draw_row(uint32_t y, std::span<const glm::vec2> polygon, bool is_hole, Row& solid) const {
     constexpr double kSlack = 1e-3;  // squares
     const double bottom = y - kSlack, top = y + 1 + kSlack, middle = y + 0.5;
-    std::array<uint8_t, kSquares> touched{}, inside{};
+    Row touched{}, inside{};
     for (size_t i = 0, last = polygon.size() - 1; i < polygon.size(); last = i++) {
       const glm::dvec2 a = (glm::dvec2(polygon[last]) - low_) / step_, b = (glm::dvec2(polygon[i]) - low_) / step_;
       if (std::max(a.y, b.y) < bottom || std::min(a.y, b.y) > top) continue;
@@ -83,8 +93,10 @@ class CellPlanGrid {
       for (uint32_t x = 0; x < kSquares; ++x)
         if (x + 0.5 > crossing) inside[x] ^= 1U;
     }
-    for (uint32_t x = 0; x < kSquares; ++x)
-      if (inside[x] != 0 && touched[x] == 0) open_[size_t(y) * kSquares + x] = 0;
+    for (uint32_t x = 0; x < kSquares; ++x) {
+      if (is_hole && (inside[x] != 0 || touched[x] != 0)) solid[x] = 0;
+      if (!is_hole && inside[x] != 0 && touched[x] == 0) solid[x] = 1;
+    }
   }
 
   uint32_t count(const Squares& in) const {
@@ -140,9 +152,14 @@ std::vector<Box> open_parts(const Box& cell, const OccluderSet& set, const std::
   CellPlanGrid plan(cell);
   for (const UsableOccluder& each : usable) {
     if (each.distance_m > 0) continue;
-    for (const OccluderLoop& loop : eroded_loops(set, each, 0).loops)
-      if (loop.top_m - each.error_m >= cell.max.z && loop.base_m + each.error_m <= cell.min.z)
-        plan.fill(set.points_of(loop));
+    // Those of one top lie one after the other; so do tops.
+    const std::span<const OccluderLoop> loops = eroded_loops(set, each, 0).loops;
+    for (size_t first = 0, end = 0; first < loops.size(); first = end) {
+      while (end < loops.size() && loops[end].top_m == loops[first].top_m) ++end;
+      const OccluderLoop& any = loops[first];
+      if (any.top_m - each.error_m >= cell.max.z && any.base_m + each.error_m <= cell.min.z)
+        plan.fill(set, loops.subspan(first, end - first));
+    }
   }
   if (plan.all_open()) return {cell};
   std::vector<Box> boxes;

@@ -222,6 +222,26 @@ TEST_F(CityTest, has_every_class_of_object) {
                                             "hydrant", "lamp", "park", "sign", "traffic_light", "tree"}));
 }
 
+TEST_F(CityTest, a_plain_one_has_few_triangles_a_building_and_trees_alone_on_its_streets) {
+  CityOptions options = small_city();
+  options.plain = true;
+  options.triangles = 1000;
+  options.blocks_x = options.blocks_y = 4;
+  options.tree_distance_m = 40;
+  const Result<CityFigures> figures = generate(options, at("city.glb"));
+  ASSERT_TRUE(figures.ok()) << figures.error().message;
+  ASSERT_GT(figures->buildings, 20U);
+  EXPECT_LT(figures->triangles, 400 * figures->buildings);
+  std::set<std::string> classes;
+  const Glb glb(at("city.glb"));
+  for (const json& node : glb.document["nodes"]) classes.insert(node["extras"]["class"]);
+  EXPECT_EQ(classes, (std::set<std::string>{"building", "fountain", "ground", "park", "tree"}));
+  options.interiors = true;
+  const Result<CityFigures> refused = generate(options, at("rooms.glb"));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, HasSubstr("plain"));
+}
+
 TEST_F(CityTest, accessors_hold_sound_geometry) {
   CityOptions options = small_city();
   options.interiors = true;

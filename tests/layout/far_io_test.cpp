@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include <cmath>
 #include <fstream>
 
@@ -120,6 +122,66 @@ TEST_F(FarIo, of_another_build_are_refused) {
   const Result<FarReader> reader = FarReader::open(path, {kOwner.tables_checksum, 101});
   ASSERT_FALSE(reader);
   EXPECT_THAT(reader.error().message, HasSubstr("not of one build"));
+}
+
+/// Around the grid: 2 x 2 x 1 cells of 20 m, around these one of 60 m.
+FarTables three_shells() {
+  FarTables tables = grid();
+  tables.outer = {{250, 2}, {600, 3}};
+  return tables;
+}
+
+TEST(FarTables, of_several_shells_nest_every_cell_in_one_of_the_next) {
+  const FarTables t = three_shells();
+  const std::vector<FarShell> shells = shells_of(t);
+  ASSERT_EQ(shells.size(), 3U);
+  EXPECT_EQ(shells[1].counts, glm::uvec3(2, 2, 1));
+  EXPECT_EQ(shells[2].cell_m, 60);
+  EXPECT_EQ(shells[2].first_place, 28U);
+  EXPECT_EQ(place_around(t, 0), 24U);
+  EXPECT_EQ(place_around(t, 23), 27U);
+  EXPECT_EQ(place_around(t, 27), 28U);
+  EXPECT_EQ(place_around(t, 28), std::nullopt);
+  for (uint64_t place = 0; place < 28; ++place) {
+    const DBox within = box_of_place(t, place), around = box_of_place(t, *place_around(t, place));
+    EXPECT_TRUE(around.grown(1e-9).contains(within)) << place;
+  }
+  EXPECT_EQ(grid_place_of(t, 27).at, glm::uvec3(1, 1, 0));
+}
+
+TEST(FarTables, of_several_shells_come_back_and_chain) {
+  const TemporaryFolder folder;
+  bool given = false;
+  const FarCellSource cells = [&given]() -> Result<std::vector<StoredFarCell>> {
+    if (std::exchange(given, true)) return std::vector<StoredFarCell>{};
+    return std::vector<StoredFarCell>{{28, 0, {{1, 2, some_bytes(4, 1)}}}, {25, 0, {}}, {2, 0.01F, {}}};
+  };
+  ASSERT_TRUE(write_far(folder.path() / "far.bin", three_shells(), kOwner, cells));
+  const Result<FarReader> reader = FarReader::open(folder.path() / "far.bin", kOwner);
+  ASSERT_TRUE(reader) << reader.error().message;
+  const FarTables& t = reader->tables();
+  EXPECT_EQ(t.outer, three_shells().outer);
+  EXPECT_EQ(far_cell_at(t, {1, 1, 6}), FarCellId{0}) << "of the innermost shell";
+  EXPECT_EQ(chain_of(t, FarCellId{0}), (std::vector<FarCellId>{FarCellId{0}, FarCellId{1}, FarCellId{2}}));
+  EXPECT_EQ(near_box(t, FarCellId{2}).min, glm::vec3(10 - 300, 30 - 300, 35 - 300));
+}
+
+TEST(FarTables, of_several_shells_with_a_defect_are_told) {
+  const auto defect = [](auto change) {
+    FarTables t = three_shells();
+    t.cells = {{2, 0, 0, 0.1F}, {25, 0, 0, 0}, {28, 0, 0, 0}};
+    change(t);
+    return find_defect(t);
+  };
+  EXPECT_EQ(defect([](FarTables&) {}), "");
+  EXPECT_NE(defect([](FarTables& t) { t.outer[0].times = 0; }), "");
+  EXPECT_NE(defect([](FarTables& t) { t.outer[1].times = 100; }), "") << "cells as large as their box";
+  EXPECT_NE(defect([](FarTables& t) { t.outer[1].box_m = 250; }), "");
+  EXPECT_NE(defect([](FarTables& t) { t.outer[1].box_m = std::nan(""); }), "");
+  EXPECT_NE(defect([](FarTables& t) { t.outer.assign(8, {1e9, 1}); }), "");
+  EXPECT_NE(defect([](FarTables& t) { t.cells[1].place = 24; }), "") << "nothing around the first";
+  EXPECT_NE(defect([](FarTables& t) { t.cells.pop_back(); }), "");
+  EXPECT_NE(defect([](FarTables& t) { t.cells[2].place = 29; }), "");
 }
 
 TEST(FarTables, with_a_defect_are_told) {

@@ -99,7 +99,7 @@ TEST(AzimuthHorizon, hides_only_what_outlines_block) {
 OccluderSet set_of(const Polygon& polygon, float base_m, float top_m) {
   OccluderSet set;
   Occluder occluder;
-  OccluderLoop loop{top_m, base_m, 0, static_cast<uint32_t>(polygon.size()), {}, {}};
+  OccluderLoop loop{top_m, base_m, 0, static_cast<uint32_t>(polygon.size()), false, {}, {}};
   Box bounds;
   for (const glm::vec2& p : polygon) bounds.add({p, top_m});
   loop.low = glm::vec2(bounds.min), loop.high = glm::vec2(bounds.max);

@@ -178,6 +178,34 @@ TEST(Bake, keeps_cut_outs_and_says_so) {
   EXPECT_GT(there, 300U);
 }
 
+TEST(Bake, says_which_triangles_are_seen_through_and_how) {
+  Mesh parts;  // apart and turned, so that each is a chart of its own
+  add_quad(parts, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}, 0);
+  add_quad(parts, {0, 9, 0}, {4, 0, 0}, {0, 0, 4}, 1);
+  add_quad(parts, {9, 0, 0}, {0, 4, 0}, {0, 0, 4}, 2);
+  // A wall with a pane in it: one chart, half of it glass.
+  add_quad(parts, {20, 0, 0}, {4, 0, 0}, {0, 4, 0}, 0);
+  add_quad(parts, {24, 0, 0}, {4, 0, 0}, {0, 4, 0}, 2);
+  const Pictures pictures = {checker(2, {10, 200, 10, 255}, {10, 200, 10, 0})};
+  std::vector<Material> materials = {textured(0), textured(0), Material{}};
+  materials[1].alpha = AlphaMode::mask;
+  materials[2].alpha = AlphaMode::blend, materials[2].color.a = 90;
+  const BakedMesh baked = baked_ok(bare(parts), parts, materials, pictures, {0.1, 1024, 2});
+  constexpr auto o = AlphaMode::opaque, m = AlphaMode::mask, b = AlphaMode::blend;
+  EXPECT_EQ(baked.alpha, (std::vector<AlphaMode>{o, o, m, m, b, b, o, o, b, b}));
+}
+
+TEST(Bake, leaves_opaque_what_only_its_vertices_call_clear) {
+  Mesh sheet;
+  add_quad(sheet, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}, 0);
+  sheet.colors.assign(4, {255, 255, 255, 40});
+  const Pictures pictures = {Image{1, 1, {{200, 200, 0, 255}}}};
+  const std::vector<Material> materials = {textured(0)};
+  const BakedMesh baked = baked_ok(bare(sheet), sheet, materials, pictures, {0.1, 256, 2});
+  EXPECT_FALSE(baked.has_opacity);
+  EXPECT_EQ(baked.alpha, std::vector<AlphaMode>(2, AlphaMode::opaque));
+}
+
 TEST(Bake, multiplies_texture_material_and_vertex_colours) {
   Mesh sheet;
   add_quad(sheet, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}, 0);

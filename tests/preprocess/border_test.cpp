@@ -119,8 +119,8 @@ TEST(Fins, reach_beyond_what_an_edge_passes_by) {
     EXPECT_GE(reach, is_passed_by ? 0.25F : 0);
     EXPECT_LT(reach, is_passed_by ? 0.4F : 0.01F);
   };
-  for (const glm::vec3 point : {glm::vec3(2, 0, 0.25F), glm::vec3(2, 0, -0.25F), glm::vec3(2, -0.25F, 0),
-                                glm::vec3(2, -0.25F, 0.25F), glm::vec3(2, 0.25F, 0.25F)}) {
+  for (const glm::vec3 point :
+       {glm::vec3(2, 0, 0.25F), glm::vec3(2, 0, -0.25F), glm::vec3(2, -0.25F, 0), glm::vec3(2, -0.25F, 0.25F)}) {
     auto [mesh, border] = square_that_passes_by(point);
     const std::vector<uint8_t> is_exact = add_fins(mesh, border, {1.0F / 1024, {}});
     EXPECT_EQ(find_defect(mesh), "");

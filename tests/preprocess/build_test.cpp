@@ -299,14 +299,16 @@ TEST_F(Build, ends_for_triangles_in_one_place) {
 class BuildTextured : public Build {
  protected:
   void SetUp() override {
-    Image picture{128, 128, std::vector<glm::u8vec4>(128 * 128)};
-    for (uint32_t y = 0; y < 128; ++y)
-      for (uint32_t x = 0; x < 128; ++x) picture.at(x, y) = x / 32 % 2 == 0 ? kRed : kBlue;
-    write_picture("stripes.png", picture);
+    write_stripes(128);
+    write_source(2);
+  }
+
+  /// A wall of 40 m with stripes, and a floor. The more waves a wall has, the more is lost with each triangle.
+  void write_source(float waves) {
     Mesh wall = test::grid(40, 20, [](float, float) { return 0.0F; });
     for (glm::vec3& p : wall.positions) {
       wall.texcoords.emplace_back(p.x / 20, p.y / 20);
-      p = {p.x, 0.3F * std::sin(p.x * 2), p.y};
+      p = {p.x, 0.3F * std::sin(p.x * waves + p.y * (waves - 2)), p.y};
     }
     const std::string materials = "newmtl wall\nKd 1 1 1\nmap_Kd stripes.png\nnewmtl floor\nKd 0 1 0\n";
     folder.write("textured.mtl", materials);
@@ -314,6 +316,13 @@ class BuildTextured : public Build {
     floor.texcoords.resize(floor.vertex_count());
     const std::string first = obj_text(wall, "mtllib textured.mtl\nusemtl wall\n");
     source = folder.write("textured.obj", first + obj_text(floor, "usemtl floor\n", wall.vertex_count()));
+  }
+
+  void write_stripes(uint32_t side) {
+    Image picture{side, side, std::vector<glm::u8vec4>(size_t(side) * side)};
+    for (uint32_t y = 0; y < side; ++y)
+      for (uint32_t x = 0; x < side; ++x) picture.at(x, y) = x / (side / 4) % 2 == 0 ? kRed : kBlue;
+    write_picture("stripes.png", picture);
   }
 
   void write_picture(const std::string& name, const Image& picture) {
@@ -333,7 +342,8 @@ bool near(const glm::u8vec4& a, const glm::u8vec4& b) {
 }
 
 /// What is seen at the middle of a triangle, filters and lamps aside.
-glm::u8vec4 color_at_middle(const ModelReader& reader, const Mesh& mesh, uint32_t triangle) {
+glm::u8vec4 color_at_middle(const ModelReader& reader, std::map<uint32_t, Image>& pictures, const Mesh& mesh,
+                            uint32_t triangle) {
   const Material& material = reader.model().tables.materials[mesh.material_of(triangle)];
   glm::vec2 uv(0);
   glm::vec3 vertex_color(0);
@@ -344,12 +354,12 @@ glm::u8vec4 color_at_middle(const ModelReader& reader, const Mesh& mesh, uint32_
   }
   glm::vec3 color = vertex_color / 255.0F * glm::vec3(material.color);
   if (material.texture != kNoTexture) {
-    const Result<Image> image = reader.read_texture(material.texture);
-    EXPECT_TRUE(image.ok());
+    if (!pictures.contains(material.texture)) pictures[material.texture] = *reader.read_texture(material.texture);
+    const Image& image = pictures[material.texture];
     const auto texel = [](float t, uint32_t size) {
       return std::min(static_cast<uint32_t>((t - std::floor(t)) * float(size)), size - 1);
     };
-    color *= glm::vec3(image->at(texel(uv.x, image->width), texel(uv.y, image->height))) / 255.0F;
+    color *= glm::vec3(image.at(texel(uv.x, image.width), texel(uv.y, image.height))) / 255.0F;
   }
   return {color, 255};
 }
@@ -374,27 +384,88 @@ TEST_F(BuildTextured, leaves_share_the_sources_picture_and_others_have_their_own
   EXPECT_GT(figures->bytes_by_part["textures"], 0);
 }
 
-TEST_F(BuildTextured, nodes_of_all_levels_show_the_sources_colours) {
-  const Result<ModelReader> reader = built(small_build(source, model));
-  ASSERT_TRUE(reader.ok());
+void expect_the_sources_colours(const ModelReader& reader, const glm::u8vec4& even, const glm::u8vec4& odd) {
   const glm::u8vec4 green(0, 255, 0, 255);
-  for (uint32_t i = 0; i < reader->model().tables.nodes.size(); ++i) {
-    const Mesh mesh = mesh_of(*reader, i);
+  std::map<uint32_t, Image> pictures;
+  for (uint32_t i = 0; i < reader.model().tables.nodes.size(); ++i) {
+    const Mesh mesh = mesh_of(reader, i);
     uint32_t wrong = 0;
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
       glm::vec3 p(0);
       for (size_t c = 0; c < 3; ++c) p += mesh.positions[mesh.indices[3 * t + c]] / 3.0F;
       // Nearer to where colours meet than this, they may blur: the error, and as much again for the filter.
-      const float blur_m = 2 * reader->model().tables.nodes[i].error_m;
+      const float blur_m = 2 * reader.model().tables.nodes[i].error_m;
       const bool in_stripe = std::abs(p.x - 5 * std::round(p.x / 5)) > blur_m;
       const bool on_wall = std::abs(p.y) < 0.35F && p.z > 0.3F + blur_m && in_stripe;
       const bool on_floor = p.y > 0.5F + blur_m;
-      const glm::u8vec4 expected = static_cast<int>(p.x / 5) % 2 == 0 ? kRed : kBlue;
-      const glm::u8vec4 seen = color_at_middle(*reader, mesh, t);
+      const glm::u8vec4 expected = static_cast<int>(p.x / 5) % 2 == 0 ? even : odd;
+      const glm::u8vec4 seen = color_at_middle(reader, pictures, mesh, t);
       wrong += (on_wall && !near(seen, expected)) || (on_floor && !near(seen, green)) ? 1U : 0U;
     }
     EXPECT_EQ(wrong, 0) << "of " << mesh.triangle_count() << " triangles of node " << i;
   }
+}
+
+TEST_F(BuildTextured, nodes_of_all_levels_show_the_sources_colours) {
+  const Result<ModelReader> reader = built(small_build(source, model));
+  ASSERT_TRUE(reader.ok());
+  expect_the_sources_colours(*reader, kRed, kBlue);
+}
+
+/// Every corner of every triangle, in some order.
+std::multiset<std::array<float, 3>> places_of(const Mesh& mesh) {
+  std::multiset<std::array<float, 3>> places;
+  for (const uint32_t v : mesh.indices) places.insert({mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z});
+  return places;
+}
+
+TEST_F(BuildTextured, leaves_stand_below_themselves_with_smaller_pictures) {
+  write_stripes(2048);
+  write_source(5);
+  const Result<ModelReader> reader = built(small_build(source, model));
+  ASSERT_TRUE(reader.ok());
+  const Model& read = reader->model();
+  const auto& nodes = read.tables.nodes;
+  const auto side_of = [&](NodeId id) { return read.tables.textures[read.textures_of(id).front()].width; };
+  std::set<uint32_t> sides;
+  for (uint32_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i].child_count != 1) continue;
+    const NodeId child = read.children_of(NodeId{i})[0];
+    const NodeRecord& finer = nodes[index_of(child)];
+    EXPECT_LE(side_of(NodeId{i}) * 4, side_of(child)) << "node " << i;
+    sides.insert(side_of(NodeId{i}));
+    const double texel_m = 20.0 / side_of(NodeId{i});
+    EXPECT_GE(nodes[i].error_m, texel_m * 0.7) << "node " << i;
+    EXPECT_LE(nodes[i].error_m, texel_m) << "the wall is steep, not its texels that large; node " << i;
+    EXPECT_LT(finer.error_m, nodes[i].error_m);
+    EXPECT_EQ(places_of(mesh_of(*reader, i)), places_of(mesh_of(*reader, index_of(child)))) << "node " << i;
+    const NodeRecord& parent = nodes[index_of(nodes[i].parent)];
+    if (parent.child_count > 1) {
+      EXPECT_GE(parent.error_m, 2 * nodes[i].error_m) << "node " << i;
+      EXPECT_GE(parent.error_p99_m, nodes[i].error_p99_m) << "node " << i;
+    }
+    if (finer.child_count == 0) {
+      EXPECT_EQ(side_of(child), 2048);
+    }
+  }
+  EXPECT_TRUE(sides.contains(512));
+  expect_the_sources_colours(*reader, kRed, kBlue);
+}
+
+TEST_F(BuildTextured, a_model_of_one_leaf_has_smaller_pictures_above_it) {
+  write_stripes(1024);
+  folder.write("textured.mtl", "newmtl wall\nmap_Kd stripes.png\n");
+  source = folder.write("one.obj",
+                        "mtllib textured.mtl\nusemtl wall\nv 0 0 0\nv 20 0 0\nv 0 0 20\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                        "f 1/1 2/2 3/3\n");
+  const Result<ModelReader> reader = built(small_build(source, model));
+  ASSERT_TRUE(reader.ok());
+  const ModelTables& tables = reader->model().tables;
+  ASSERT_EQ(tables.nodes.size(), 3);
+  EXPECT_EQ(tables.textures[0].width, 1024);
+  const std::vector<uint32_t> widths = {64, 256, 1024};
+  for (uint32_t i = 0; i < 3; ++i)
+    EXPECT_EQ(tables.textures[reader->model().textures_of(NodeId{i})[0]].width, widths[i]) << "node " << i;
 }
 
 TEST_F(BuildTextured, makes_large_pictures_smaller) {
@@ -428,6 +499,7 @@ TEST_F(BuildTextured, names_a_broken_picture_and_draws_its_material_plainly) {
 }
 
 TEST_F(BuildTextured, gives_the_same_bytes_after_an_interruption_and_for_any_number_of_jobs) {
+  write_stripes(1024);
   BuildOptions options = small_build(source, model);
   options.chunk_triangles = 1500;
   ASSERT_TRUE(built(options).ok());

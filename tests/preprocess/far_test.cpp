@@ -99,6 +99,8 @@ double angle(const glm::dvec3& a, const glm::dvec3& b) {
 /// A cell with its sides as meshes.
 struct DrawnCell {
   glm::dvec3 centre{0};
+  FarShell shell;
+  std::optional<Box> within;  ///< what is beyond it, another shell shows
   std::array<std::optional<Mesh>, 6> sides;
 };
 
@@ -128,12 +130,15 @@ DrawnCell drawn_cell(const ModelReader& reader, FarCellId id) {
   const FarTables& tables = reader.far()->tables();
   DrawnCell cell;
   cell.centre = cell_box(tables, id).center();
+  cell.shell = grid_place_of(tables, tables.cells[index_of(id)].place).grid;
+  if (const std::vector<FarCellId> chain = chain_of(tables, id); chain.size() > 1)
+    cell.within = near_box(tables, chain[1]);
   const FarCellRecord& record = tables.cells[index_of(id)];
   for (uint32_t i = record.first_face; i < record.first_face + record.face_count; ++i) {
     const Result<FarFace> face = decoded_side(reader, id, i);
     EXPECT_TRUE(face.ok());
     cell.sides[tables.faces[i].side] =
-        far_mesh(*face, {cell.centre, tables.box_m, tables.faces[i].side, tables.has_depth});
+        far_mesh(*face, {cell.centre, cell.shell.box_m, tables.faces[i].side, tables.has_depth});
     EXPECT_EQ(cell.sides[tables.faces[i].side]->triangle_count(), tables.faces[i].triangles);
   }
   return cell;
@@ -161,14 +166,15 @@ class Audit {
   void look(const DrawnCell& cell, Random& random) {
     const uint32_t side = random.below(6);
     const double texel = 2.0 / (1U << tables_.face_levels);
-    const double x = random.range(-1.0, 1.0), y = random.range(-1.0, 1.0), half_box_m = tables_.box_m / 2;
+    const double x = random.range(-1.0, 1.0), y = random.range(-1.0, 1.0), half_box_m = cell.shell.box_m / 2;
     // The back of a triangle is the inside of what the box cuts: its near part hides it.
     bool from_front = false;
     const std::optional<double> hit = first_hit(source_, cell.centre, ray(side, x, y) * half_box_m, 1, &from_front);
     if (!hit || !from_front) return;
-    ++seen;
     const glm::dvec3 point = ray(side, x, y) * half_box_m * *hit;
-    const double half_cell_m = tables_.cell_m / 2;
+    if (cell.within && !cell.within->contains(glm::vec3(cell.centre + point))) return;
+    ++seen;
+    const double half_cell_m = cell.shell.cell_m / 2;
     const glm::dvec3 eye(random.range(-half_cell_m, half_cell_m), random.range(-half_cell_m, half_cell_m),
                          random.range(-half_cell_m, half_cell_m));
     double least = 4;
@@ -243,6 +249,31 @@ TEST_F(FarPictures, keep_the_bound_at_random_points_and_eyes_with_and_without_de
     RecordProperty(depth ? "points_with_depth" : "points_flat", audit.seen);
     std::printf("%s: %d points, %.3f of %.3f degrees at most, cells of %.2f m\n", depth ? "depth" : "flat", audit.seen,
                 glm::degrees(audit.largest_rad), glm::degrees(tables.bound_rad), tables.cell_m);
+  }
+}
+
+TEST_F(FarPictures, of_several_shells_keep_the_bound_in_each_and_share_the_outer_ones) {
+  for (const bool depth : {false, true}) {
+    BuildOptions o = options(depth);
+    o.far.shells = 2, o.far.box_m = 90, o.far.spacing_factor = 2.2;
+    const Result<ModelReader> reader = built(o);
+    ASSERT_TRUE(reader.ok());
+    const FarTables& tables = reader->far()->tables();
+    ASSERT_EQ(tables.outer.size(), 1U);
+    EXPECT_GE(tables.outer[0].times, 2U);
+    ASSERT_EQ(figures->far.shells.size(), 2U);
+    EXPECT_LE(figures->far.shells[1].cells, figures->far.shells[0].cells);
+    EXPECT_GT(figures->far.shells[1].bytes, 0U);
+    for (const FarCellRecord& cell : tables.cells) EXPECT_LE(double(cell.parallax_rad), tables.bound_rad);
+    Mesh in_model = mesh;
+    for (glm::vec3& p : in_model.positions) p -= glm::vec3(reader->model().manifest.origin);
+    Audit audit(*reader, in_model);
+    audit.run(audit_points());
+    EXPECT_GT(audit.seen, audit_points() / 8);
+    EXPECT_EQ(audit.over, 0) << "of " << audit.seen << ", the worst " << glm::degrees(audit.largest_rad) << " degrees";
+    EXPECT_EQ(audit.undrawn, 0) << "of " << audit.seen;
+    std::printf("%s, 2 shells: %d points, %.3f of %.3f degrees at most, %zu cells\n", depth ? "depth" : "flat",
+                audit.seen, glm::degrees(audit.largest_rad), glm::degrees(tables.bound_rad), tables.cells.size());
   }
 }
 
@@ -404,6 +435,9 @@ TEST_F(FarPictures, refuse_what_cannot_be) {
   EXPECT_THAT(error_of([](FarOptions& f) { f.bound_deg = std::nan(""); }), HasSubstr("--far-bound"));
   EXPECT_THAT(error_of([](FarOptions& f) { f.box_m = 1000; }), HasSubstr("--far-box"));
   EXPECT_THAT(error_of([](FarOptions& f) { f.cell_m = 60; }), HasSubstr("--far-cell"));
+  EXPECT_THAT(error_of([](FarOptions& f) { f.shells = 9; }), HasSubstr("--far-shells"));
+  EXPECT_THAT(error_of([](FarOptions& f) { f.shells = 3, f.spacing_factor = 2; }), HasSubstr("--far-shells"));
+  EXPECT_THAT(error_of([](FarOptions& f) { f.spacing_factor = 0.5; }), HasSubstr("--far-factor"));
   EXPECT_THAT(error_of([](FarOptions& f) { f.side_px = 64; }), HasSubstr("--far-side"));
   EXPECT_THAT(error_of([](FarOptions& f) { f.jpeg_quality = 101; }), HasSubstr("--far-quality"));
   EXPECT_THAT(error_of([](FarOptions& f) { f.along = {{1e6, 0, 0}}; }), HasSubstr("--far-path"));

@@ -33,6 +33,26 @@ Mesh shell(const glm::vec3& low, const glm::vec3& high) {
   return of_material(std::move(mesh), kStone);
 }
 
+/// So thick on all sides, without a bottom.
+Mesh house_around_a_yard(const glm::vec2& low, const glm::vec2& high, float thick_m) {
+  constexpr float kBottom = -0.5F, kTop = 10;
+  Mesh mesh;
+  const auto corners = [](const glm::vec2& a, const glm::vec2& b) {
+    return std::array<glm::vec2, 4>{a, glm::vec2(b.x, a.y), b, glm::vec2(a.x, b.y)};
+  };
+  const auto outer = corners(low, high), inner = corners(low + thick_m, high - thick_m);
+  const auto at = [](const glm::vec2& p, float z) { return glm::vec3(p, z); };
+  const auto add = [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d) {
+    test::add_quad(mesh, a, b, c, d, {255, 255, 255, 255});
+  };
+  for (size_t i = 0, k = 1; i < 4; ++i, k = (k + 1) % 4) {
+    add(at(outer[i], kBottom), at(outer[k], kBottom), at(outer[k], kTop), at(outer[i], kTop));
+    add(at(inner[k], kBottom), at(inner[i], kBottom), at(inner[i], kTop), at(inner[k], kTop));
+    add(at(outer[i], kTop), at(outer[k], kTop), at(inner[k], kTop), at(inner[i], kTop));
+  }
+  return of_material(std::move(mesh), kStone);
+}
+
 std::vector<Situation> situations() {
   const auto ground = std::pair<std::string, Mesh>("ground", flat_ground());
   std::vector<Situation> all;
@@ -52,6 +72,15 @@ std::vector<Situation> situations() {
                  {{-2, -2, 0.5F}, {8, 2, 2.5F}},
                  {},
                  {"ground", "house", "thing", "before"}});
+  all.push_back({"cell_that_reaches_through_a_house_into_its_yard",
+                 {ground,
+                  {"house", house_around_a_yard({10, -20}, {50, 20}, 9)},
+                  {"tower", wall(25, -6.4F, 27, -1.2F)},
+                  {"in_the_yard", thing_at(38, -6)},
+                  {"behind_it_all", thing_at(80, 0)}},
+                 {{4, -3, 0.5F}, {24, 3, 2.5F}},
+                 {"behind_it_all"},
+                 {"house", "in_the_yard"}});
   all.push_back(
       {"tower_behind_wall",
        {ground, {"wall", wall(10, -15, 14, 15, 6)}, {"tower", wall(28, -3, 34, 3, 40)}, {"hut", wall(28, 6, 30, 8, 3)}},

@@ -48,6 +48,14 @@ class FarForest : public Forest {
     for (const uint32_t side : {0U, 5U})
       told_bytes_[side] = *encode_far_delta(face_, {90}, side, reference, FarForetelling::warped);
   }
+  /// A shell around: two cells of 50 m with a side each.
+  void surround() {
+    tables_.outer = {{150, 5}};
+    for (uint32_t i = 0; i < 2; ++i) {
+      tables_.cells.push_back({10 + i, static_cast<uint32_t>(tables_.faces.size()), 1, 0.05F});
+      tables_.faces.push_back({0, 100, 0, 2, 0});
+    }
+  }
   const FarTables* far() const override { return &tables_; }
   Result<std::vector<std::byte>> read_far_face(uint32_t face) const override {
     ++reads;
@@ -129,6 +137,16 @@ TEST_F(Follower, wants_where_the_eye_goes_first_and_what_is_beside) {
   EXPECT_THAT(follower.wanted({0, 1, 0}, {0, 20, 0}),
               ElementsAre(FarCellId{5}, FarCellId{6}, FarCellId{7}, FarCellId{8}, FarCellId{9}, FarCellId{4}));
   EXPECT_TRUE(follower.wanted({0, 1, 900}, {0, 0, 0}).empty());
+  EXPECT_THAT(
+      follower.wanted({0, -45, 0}, {0, 4000, 0}),
+      ElementsAre(FarCellId{0}, FarCellId{1}, FarCellId{2}, FarCellId{3}, FarCellId{4}, FarCellId{5}, FarCellId{6}))
+      << "every cell on the way, however fast";
+}
+
+TEST_F(Follower, wants_the_shells_around_each_cell_right_after_it) {
+  source.surround();
+  EXPECT_THAT(follower.wanted({0, 1, 0}, {0, 0, 0}),
+              ElementsAre(FarCellId{5}, FarCellId{11}, FarCellId{4}, FarCellId{10}, FarCellId{6}));
 }
 
 // --- store --------------------------------------------------------------------------------------------------------
@@ -144,7 +162,7 @@ std::vector<FarCellId> cells(std::initializer_list<uint32_t> ids) {
 void work(FarStore& store, NullRenderer& renderer) {
   for (int i = 0; i < 200; ++i) {
     store.let_go(store.take_leaving(), renderer);
-    store.upload(renderer);
+    store.upload(renderer, 0);
     static_cast<void>(store.load_next());
     EXPECT_LE(store.bytes(), store.bound_bytes());
     EXPECT_LE(renderer.bytes(), store.bound_bytes());
@@ -154,7 +172,7 @@ void work(FarStore& store, NullRenderer& renderer) {
 TEST(FarStore, brings_what_is_wanted_in_order_within_its_bound) {
   const FarForest source;
   NullRenderer renderer;
-  FarStore store(source, renderer, 1000);  // little: room for two cells as they load, no more
+  FarStore store(source, renderer, 1000);  // little: room for three cells, no more
   store.want(cells({3, 4, 5, 6}));
   work(store, renderer);
   EXPECT_TRUE(store.find(FarCellId{3}));
@@ -268,6 +286,31 @@ TEST(StratifiedSession, draws_near_nodes_and_the_picture_and_geometry_where_none
   session->far_style() = FarStyle::far_only;
   ASSERT_TRUE(session->frame(camera, 0).ok());
   EXPECT_EQ(renderer.drawn.size(), 2U);
+}
+
+TEST(StratifiedSession, draws_the_pictures_of_all_shells_or_geometry) {
+  FarForest source;
+  plant(source);
+  source.surround();
+  NullRenderer renderer;
+  Result<Session> session = Session::open(source, renderer, stratified());
+  ASSERT_TRUE(session.ok()) << session.error().message;
+  Camera camera = scenes::looking_along_x();
+  camera.pose.eye = {0, -20, 0};
+  camera.vertical_fov_deg = 170;
+  ASSERT_TRUE(session->settle(camera).ok());
+  const Result<FrameRow> row = session->frame(camera, 0);
+  EXPECT_EQ(row->far_layers, 1U);
+  EXPECT_EQ(row->far_triangles, 6U);
+  EXPECT_EQ(row->far_cell, FarCellId{3});
+  EXPECT_EQ(renderer.drawn.size(), session->selection().front.size() + 3);
+  // The one around the next cells cannot be read: none of the two is shown.
+  source.broken = {19};
+  camera.pose.eye = {0, 20, 0};
+  ASSERT_TRUE(session->settle(camera).ok());
+  const Result<FrameRow> beyond = session->frame(camera, 0);
+  EXPECT_TRUE(beyond->far_missing);
+  EXPECT_EQ(beyond->far_layers, 0U);
 }
 
 TEST(StratifiedSession, without_far_pictures_says_so) {

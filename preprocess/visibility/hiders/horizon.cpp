@@ -27,7 +27,7 @@ namespace {
 
 constexpr int kMostHalvings = 6;  // measured: study hiders
 constexpr float kSmallestSegmentM = 0.2F;
-constexpr int kFirstLook = 2;        // halvings before which corners and middles have been looked from already
+constexpr int kLook = 3;             // halvings before which corners and middles have been looked from already
 constexpr size_t kFewTargets = 500;  // more are looked at node by node
 
 /// Whether one of two boxes lies above or below the other.
@@ -184,6 +184,7 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
     Box clear = cell_;
     clear.min -= loops.erosion_m, clear.max += loops.erosion_m;
     for (const OccluderLoop& loop : loops.loops) {
+      if (loop.is_hole) continue;  // the outline around it hides as much, and more
       const float top_m = loop.top_m - usable.error_m;
       if (loops.loops.size() == 1 || horizon_.worth_adding({{loop.low, top_m}, {loop.high, top_m}}))
         horizon_.add(set_.points_of(loop), top_m, clear);
@@ -232,7 +233,7 @@ void CellWork::prove(const glm::dvec3& from, const glm::dvec3& to, Targets targe
   targets = not_hidden(targets);
   if (targets.empty()) return;
   if (halvings == kMostHalvings || 2 * half <= kSmallestSegmentM) return keep(targets);
-  if (halvings >= kFirstLook) {
+  if (halvings == kLook) {
     fill_horizon(middle, targets, 0);
     keep_seen(targets);
     targets = still_open(targets);

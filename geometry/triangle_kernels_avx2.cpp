@@ -1,0 +1,15 @@
+#include "geometry/triangle_kernels.h"
+
+namespace promenade {
+
+#ifdef __AVX2__
+namespace {
+using namespace lanes_avx2;  // NOLINT(google-build-using-namespace): the kernels are written on its names
+#include "geometry/triangle_kernels.inl"
+}  // namespace
+const TriangleKernels& avx2_triangle_kernels() { return kKernels; }
+#else
+const TriangleKernels& avx2_triangle_kernels() { return portable_triangle_kernels(); }
+#endif
+
+}  // namespace promenade
