@@ -11,8 +11,8 @@
 
 namespace promenade {
 
-/// Chains of border edges. A place in a chain goes along it only, and what it leaves behind is kept, with what it had
-/// passed by before. Ends of chains and places where several meet are held.
+/// Chains of border edges. A place in a chain may go along it, and what it leaves behind is kept, with what it had
+/// passed by before. Ends of chains and places where several meet have no way along.
 class BorderLines {
  public:
   BorderLines() = default;
@@ -21,7 +21,7 @@ class BorderLines {
 
   bool has(uint32_t place) const { return place < role_.size() && role_[place] != Role::none; }
   bool is_edge(uint32_t a, uint32_t b) const;
-  /// The places that this one may go to; none where it is held.
+  /// The places that this one may go to; none at ends and where several meet.
   std::optional<std::array<uint32_t, 2>> ways(uint32_t place) const;
   /// How far what the border would pass by without a place, on it and beside it, would be from the border: at least
   /// this, where it is over the limit.

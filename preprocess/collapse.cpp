@@ -176,10 +176,7 @@ bool Collapser::goes_along_border(uint32_t place) const {
 
 /// Finds the ring, unless the place stays anyway.
 bool Collapser::may_go(uint32_t place) {
-  if (borders_.has(place)) {
-    if (border_rule_ == BorderRule::stay) return false;
-    if (border_rule_ == BorderRule::along && !borders_.ways(place)) return false;
-  }
+  if (border_rule_ == BorderRule::stay && borders_.has(place)) return false;
   find_ring(place);
   return fan_.size() <= (flips_allowed_ ? kLargestFanAtLast : kLargestFan);
 }

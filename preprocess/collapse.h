@@ -26,9 +26,9 @@ class Collapser {
   /// middle hangs in the air. Smaller: errors closer to the costs; slower.
   Collapser(WorkMesh& work, const Mesh& source, BorderLines& borders, float spacing_m);
 
-  /// What places on borders may do: stay, though others may go onto them; go along the border; or go anywhere, in
-  /// which case it is no border any more.
-  enum class BorderRule : uint8_t { stay, along, ends_free, free };
+  /// What places on borders may do: stay, though others may go onto them; go along the border, but for those at its
+  /// ends and where several meet; or go anywhere. What has gone elsewhere is no border any more.
+  enum class BorderRule : uint8_t { stay, along, free };
   void set_border_rule(BorderRule rule) { border_rule_ = rule; }
   /// Whether triangles may turn over: for when nothing else is left.
   void allow_flips(bool allowed) { flips_allowed_ = allowed; }

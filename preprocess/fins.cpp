@@ -23,8 +23,6 @@ constexpr float kRounding = 1;
 constexpr float kLeastCosine = 0.95F;
 /// A triangle's height over its longest edge: flatter ones lie in no plane to speak of.
 constexpr float kThin = 0.05F;
-/// How steep borders are, more or less; of what they lie above or below.
-constexpr float kMostRise = 2;
 /// Where the border turns less, fins on either side share an end; of the sum of two units.
 constexpr float kLeastSum = 1.4F;
 
@@ -37,7 +35,7 @@ glm::vec3 unit(const glm::vec3& v) {
 
 /// What an edge of the border passes by, in metres >= 0.
 struct Extent {
-  float up_m = 0, down_m = 0, out_m = 0, in_m = 0;
+  float up_m = 0, down_m = 0, out_m = 0;
   float before_m = 0, after_m = 0;  ///< past its ends
 };
 
@@ -109,7 +107,6 @@ class FinMaker {
         ridge.extent.up_m = std::max(ridge.extent.up_m, extent.up_m);
         ridge.extent.down_m = std::max(ridge.extent.down_m, extent.down_m);
         ridge.extent.out_m = std::max(ridge.extent.out_m, extent.out_m);
-        ridge.extent.in_m = std::max(ridge.extent.in_m, extent.in_m);
       }
     }
   }
@@ -140,8 +137,7 @@ class FinMaker {
       }
       const float above = glm::dot(off, up);
       extent.up_m = std::max(extent.up_m, above), extent.down_m = std::max(extent.down_m, -above);
-      const float beyond = glm::dot(off, outward);
-      extent.out_m = std::max(extent.out_m, beyond), extent.in_m = std::max(extent.in_m, -beyond);
+      extent.out_m = std::max(extent.out_m, glm::dot(off, outward));
     }
     return extent;
   }
@@ -165,12 +161,9 @@ class FinMaker {
       const glm::vec3 outward = is_own ? edge.outward : ridge.outward * (2 / (sum * sum));
       const glm::vec3 past = edge.along * (edge.past_m[i] * (i == 0 ? -kReach : kReach));
       const glm::vec3 out = edge.gapes ? outward * reach_m(ridge.extent.out_m) + past : glm::vec3(0);
-      // A border that begins behind the edge has risen by as much before it comes to it, where it is steep.
-      const float rise_m = std::min(ridge.extent.in_m, kMostRise * std::max(ridge.extent.up_m, ridge.extent.down_m));
       if (edge.bends) {
-        top[i] = vertex(base[i], Side::top, at + out + up * (reach_m(ridge.extent.up_m) + rise_m), edge, is_own);
-        bottom[i] =
-            vertex(base[i], Side::bottom, at + out - up * (reach_m(ridge.extent.down_m) + rise_m), edge, is_own);
+        top[i] = vertex(base[i], Side::top, at + out + up * reach_m(ridge.extent.up_m), edge, is_own);
+        bottom[i] = vertex(base[i], Side::bottom, at + out - up * reach_m(ridge.extent.down_m), edge, is_own);
       } else {
         top[i] = vertex(base[i], Side::beyond, at + out, edge, is_own);
       }

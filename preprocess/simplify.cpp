@@ -83,12 +83,10 @@ class Simplifier {
     queue_places();
     drain();
     if (work_.alive_count <= target_) return;
-    for (const Rule rule : {Rule::along, Rule::ends_free}) {
-      collapser_.set_border_rule(rule);
-      queue_places();
-      drain();
-      if (work_.alive_count <= target_) return;
-    }
+    collapser_.set_border_rule(Rule::along);
+    queue_places();
+    drain();
+    if (work_.alive_count <= target_) return;
     collapser_.set_border_rule(Rule::free);
     collapser_.allow_flips(true);
     queue_places();
