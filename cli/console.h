@@ -2,6 +2,7 @@
 // What a person sees while a command works: progress on standard error, results on standard output.
 
 #include <chrono>
+#include <ctime>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -50,6 +51,20 @@ class WallClock {
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Processor time of the thread that makes it and asks it: what others do on the machine counts little.
+class ThreadClock {
+ public:
+  double seconds() const { return now_s() - start_s_; }
+
+ private:
+  static double now_s() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return double(now.tv_sec) + double(now.tv_nsec) * 1e-9;
+  }
+  double start_s_ = now_s();
 };
 
 /// "12.3 MiB", "1.2 million": for people.

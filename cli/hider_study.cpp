@@ -79,7 +79,7 @@ Status HiderStudy::add(const Box& cell) {
   seen_nodes += static_cast<uint64_t>(std::count_if(looks->pixels_of.begin(), looks->pixels_of.end(),
                                                     [](uint64_t pixels_of_node) { return pixels_of_node > 0; }));
   std::vector<uint8_t> none(front.size(), 0);
-  const WallClock clock;
+  const ThreadClock clock;
   PROMENADE_TRY(reference_->hide({cell, front}, none));
   reference_ms += clock.seconds() * 1e3;
   for (size_t i = 0; i < rows_.size(); ++i) PROMENADE_TRY(judge_chain(rows_[i], cell, front, hidden_by[i], *looks));
@@ -89,7 +89,7 @@ Status HiderStudy::add(const Box& cell) {
 Status HiderStudy::ask(ChainRow& row, const Box& cell, std::span<const NodeId> front, std::span<uint8_t> hidden_by) {
   std::vector<uint8_t> hidden(front.size(), 0);
   for (size_t h = 0; h < row.hiders.size(); ++h) {
-    const WallClock clock;
+    const ThreadClock clock;
     PROMENADE_TRY(row.hiders[h]->hide({cell, front}, hidden));
     row.ms += clock.seconds() * 1e3;
     for (size_t i = 0; i < front.size(); ++i)
@@ -146,7 +146,7 @@ Status HiderStudy::see_from_eyes(const ChainRow& row, const Box& cell, std::span
     for (size_t k = 0; k < front.size(); ++k)
       if (classify(frustum, model.tables.nodes[index_of(front[k])].box) == Overlap::outside) unseen[k] = 1;
     const glm::vec3 eye(camera.pose.eye);
-    const WallClock clock;
+    const ThreadClock clock;
     for (const auto& hider : row.hiders) PROMENADE_TRY(hider->hide({{eye, eye}, front}, unseen));
     eye_ms += clock.seconds() * 1e3;
     eye_to_object.add(model, front, unseen);

@@ -31,7 +31,7 @@ struct Drawn {
   void add(const Model& model, std::span<const NodeId> front, std::span<const uint8_t> hidden);
 };
 
-/// Over the cells.
+/// Over the cells. ms: processor time of one thread.
 struct ChainSums {
   double ms = 0, ratio_sum = 0, hidden_share_sum = 0;
   uint64_t false_hidden_nodes = 0, false_hidden_pixels = 0, kept_nodes = 0, kept_triangles = 0;

@@ -152,7 +152,7 @@ void BlockMaker::add_fountain(const PlanRect& rect, Random random) {
   const glm::dvec2 size = rect.size();
   Shape shape(options_.counting);
   const float radius = std::min(static_cast<float>(std::min(size.x, size.y)) * 0.3F, random.range(3.0F, 6.5F));
-  const int sides = options_.detail < 1 ? 10 : options_.detail < 4 ? 28 : 64;
+  const int sides = options_.detail < 1 || plan_.options().plain ? 10 : options_.detail < 4 ? 28 : 64;
   build_fountain(shape, {0, 0}, radius, random.range(1.2F, 3.2F), 0, random.between(3, 5), sides);
   add(shape, "fountain", {middle, z_});
 }

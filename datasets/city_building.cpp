@@ -213,19 +213,24 @@ void HouseBuilder::build_segment(const Segment& segment, bool ground, bool last)
   shape_.cap(segment.outline, segment.top);
 }
 
-/// A building of [xiong1996]'s: floor upon floor, in one colour or in two by turns.
+/// A building of [xiong1996]'s: bands of a floor, or of some where there is to be little detail, in one colour or in
+/// two by turns.
 void HouseBuilder::build_bands(const Segment& segment, bool ground) {
   constexpr float kBelowGroundM = 0.2F;
-  const bool alternating = random_.fork(10).chance(0.5);
-  float z = ground ? -kBelowGroundM : segment.bottom;
-  for (int floor = 0; z < segment.top; ++floor) {
-    const float wish =
-        segment.bottom + (ground ? style_.ground_floor_m : style_.floor_m) + float(floor) * style_.floor_m;
-    const float top = segment.top - wish < style_.floor_m / 2 ? segment.top : wish;
-    paint(alternating && floor % 2 == 1 ? style_.trim : style_.wall);
-    const std::array<glm::vec2, 2> band = {glm::vec2(0, z), {0, top}};
-    shape_.ring(segment.outline, band);
-    z = top;
+  Random random = random_.fork(10);
+  const bool alternating = random.chance(0.5);
+  constexpr double kMostFloors = 4;
+  const float band_m =
+      style_.floor_m * static_cast<float>(std::max(
+                           1.0, std::floor(1 + (1 - options_.detail) * (kMostFloors - 1) + random.unit() - 0.5)));
+  float bottom = ground ? -kBelowGroundM : segment.bottom;
+  float top = segment.bottom + (ground ? style_.ground_floor_m : band_m);
+  for (int band = 0; bottom < segment.top; ++band) {
+    if (segment.top - top < band_m / 2) top = segment.top;
+    paint(alternating && band % 2 == 1 ? style_.trim : style_.wall);
+    const std::array<glm::vec2, 2> profile = {glm::vec2(0, bottom), {0, top}};
+    shape_.ring(segment.outline, profile);
+    bottom = top, top += band_m;
   }
 }
 

@@ -24,7 +24,7 @@ constexpr int kArc = 4;  // segments around a block's corner
 struct Ring {
   std::array<std::vector<glm::dvec2>, 4> sides;  ///< plan; south, east, north, west
 
-  Ring(const PlanRect& block, double inset, double corner_m) {
+  Ring(const PlanRect& block, double inset, double corner_m, double step_m) {
     const PlanRect rect = block.inset(inset);
     const double radius = std::max(corner_m - inset, 0.05);
     const std::array<glm::dvec2, 4> corners = {
@@ -32,7 +32,7 @@ struct Ring {
     const std::array<glm::dvec2, 4> ways = {glm::dvec2(1, 0), {0, 1}, {-1, 0}, {0, -1}};
     for (size_t s = 0; s < 4; ++s) {
       const double length = s % 2 == 0 ? block.size().x : block.size().y;
-      const int steps = std::max(2, static_cast<int>(std::ceil(length / 6)));
+      const int steps = std::max(2, static_cast<int>(std::ceil(length / step_m)));
       const glm::dvec2 way = ways[s], in(-way.y, way.x);
       const auto arc = [&](const glm::dvec2& corner, const glm::dvec2& center_way, double angle) {
         const glm::dvec2 center = corner + (center_way + in) * radius;
@@ -76,7 +76,7 @@ class GroundBuilder {
   }
   std::vector<glm::vec3> ring(double inset, float z) const {
     std::vector<glm::vec3> points;
-    const Ring r(block_, inset, corner_m());
+    const Ring r(block_, inset, corner_m(), step_m());
     for (const auto& side : r.sides) {
       const std::vector<glm::vec3> part = lifted(side, z);
       points.insert(points.end(), part.begin(), part.end());
@@ -84,6 +84,8 @@ class GroundBuilder {
     return points;
   }
   double corner_m() const { return std::min({3.0, block_.size().x / 4, block_.size().y / 4}); }
+  /// Along straight kerbs, at most.
+  double step_m() const { return options_.plain && options_.style == StreetStyle::grid ? 60 : 6; }
   void band(const std::vector<glm::vec3>& outer, const std::vector<glm::vec3>& inner);
   void mark(const glm::dvec2& low, const glm::dvec2& high);
 
@@ -111,7 +113,7 @@ void GroundBuilder::band(const std::vector<glm::vec3>& outer, const std::vector<
 
 void GroundBuilder::street() {
   shape_.color(kAsphalt);
-  const Ring kerb(block_, 0, corner_m());
+  const Ring kerb(block_, 0, corner_m(), step_m());
   const std::array<glm::dvec2, 4> corners = {
       cell_.low, {cell_.high.x, cell_.low.y}, cell_.high, {cell_.low.x, cell_.high.y}};
   for (size_t s = 0; s < 4; ++s) {
@@ -202,7 +204,7 @@ void build_ground(Shape& shape, const CityPlan& plan, uint32_t x, uint32_t y, co
   ground.underlay();
   ground.street();
   ground.pavement(inner_color);
-  ground.markings();
+  if (!plan.options().plain) ground.markings();
 }
 
 void build_park(Shape& shape, std::span<const glm::vec2> corners, float z) {

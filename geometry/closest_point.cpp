@@ -17,11 +17,6 @@ constexpr size_t kWidth = kLanes;  // boxes a node
 constexpr uint32_t kLeafBit = BoxTreeNode::kLeafBit;
 constexpr uint32_t kMaxUnbalancedDepth = 24;  // bounds the query's stack: deeper nodes are cut at the median
 
-float half_area(const Box& box) {
-  const glm::vec3 s = box.size();
-  return s.x * s.y + s.y * s.z + s.z * s.x;
-}
-
 /// Unit vector perpendicular to unit x.
 glm::dvec3 any_perpendicular(const glm::dvec3& x) {
   const glm::dvec3 a = glm::abs(x);
@@ -31,16 +26,34 @@ glm::dvec3 any_perpendicular(const glm::dvec3& x) {
   return glm::normalize(glm::cross(x, axis));
 }
 
+/// A box in two registers; the fourth lanes mean nothing.
+struct WideBox {
+  __m128 min = _mm_set1_ps(kInfinity);
+  __m128 max = _mm_set1_ps(-kInfinity);
+  void add(const WideBox& other) { min = _mm_min_ps(min, other.min), max = _mm_max_ps(max, other.max); }
+  Box box() const {
+    alignas(16) float low[4], high[4];
+    _mm_store_ps(low, min), _mm_store_ps(high, max);
+    return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+  }
+};
+
 /// What the tree knows of a triangle while it is built.
 struct Item {
-  Box box;
-  glm::vec3 center;
-  uint32_t triangle;
+  WideBox box;  // with the triangle's number in the first fourth lane
+  uint32_t triangle() const { return static_cast<uint32_t>(_mm_extract_epi32(_mm_castps_si128(box.min), 3)); }
+  __m128 doubled_center() const { return _mm_add_ps(box.min, box.max); }
 };
+
+float along(__m128 v, int axis) {
+  alignas(16) float c[4];
+  _mm_store_ps(c, v);
+  return c[axis];
+}
 
 struct Range {
   uint32_t begin, end;
-  Box box;
+  WideBox box;
   uint32_t size() const { return end - begin; }
 };
 
@@ -52,91 +65,118 @@ struct ClosestPointTree::Builder {
   std::span<const glm::vec3> positions;
   std::span<const uint32_t> indices;
   std::vector<Item> items;
+  std::vector<Item> upper_items;  // scratch
 
   Builder(ClosestPointTree& to, std::span<const glm::vec3> p, std::span<const uint32_t> i)
       : tree(to), positions(p), indices(i) {
     const auto count = static_cast<uint32_t>(indices.size() / 3);
-    items.resize(count);
+    items.resize(count), upper_items.resize(count);
+    WideBox all;
     for (uint32_t t = 0; t < count; ++t) {
-      Box box;
-      for (size_t c = 0; c < 3; ++c) box.add(positions[indices[size_t(t) * 3 + c]]);
-      items[t] = {box, box.min + (box.max - box.min) * 0.5F, t};
-      tree.bounds_.add(box);
+      WideBox box;
+      for (size_t c = 0; c < 3; ++c) {
+        const glm::vec3& corner = positions[indices[size_t(t) * 3 + c]];
+        const __m128 at = _mm_setr_ps(corner.x, corner.y, corner.z, 0);
+        box.add({at, at});
+      }
+      all.add(box);
+      box.min = _mm_castsi128_ps(_mm_insert_epi32(_mm_castps_si128(box.min), static_cast<int>(t), 3));
+      items[t] = {box};
     }
+    if (count > 0) tree.bounds_ = all.box();
     tree.slot_of_triangle_.resize(count);
     tree.blocks_.reserve(count / 5 + 1);
     tree.nodes_.reserve(count / 32 + 1);
-    if (count > 0) build_node({0, count, tree.bounds_}, 0);
+    if (count > 0) build_node({0, count, all}, 0);
   }
 
-  Box box_of(uint32_t begin, uint32_t end) const {
-    Box box;
+  WideBox box_of(uint32_t begin, uint32_t end) const {
+    WideBox box;
     for (uint32_t i = begin; i < end; ++i) box.add(items[i].box);
     return box;
   }
 
-  /// Middle of the range along `axis`; ties by triangle, so that the tree is the same with every library.
-  uint32_t cut_at_median(const Range& range, int axis) {
+  /// Two halves of a range along `axis`; ties by triangle, so that the tree is the same with every library.
+  std::array<Range, 2> cut_at_median(const Range& range, int axis) {
     const uint32_t middle = range.begin + range.size() / 2;
     const auto first = items.begin();
     std::nth_element(first + range.begin, first + middle, first + range.end, [axis](const Item& a, const Item& b) {
-      return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.triangle < b.triangle;
+      const float a_at = along(a.doubled_center(), axis), b_at = along(b.doubled_center(), axis);
+      return a_at != b_at ? a_at < b_at : a.triangle() < b.triangle();
     });
-    return middle;
-  }
-
-  /// Two non-empty halves of a range of at least two.
-  std::array<Range, 2> cut(const Range& range, bool balanced) {
-    Box centers;
-    for (uint32_t i = range.begin; i < range.end; ++i) centers.add(items[i].center);
-    const int axis = centers.longest_axis();
-    const float low = centers.min[axis];
-    const float extent = centers.max[axis] - low;
-    const float scale = float(kBins) * 0.9999F / extent;
-    uint32_t middle = range.begin;
-    if (!balanced && extent > 0 && std::isfinite(scale)) {
-      const auto bin_of = [&](const Item& item) {
-        return std::min(static_cast<size_t>((item.center[axis] - low) * scale), kBins - 1);
-      };
-      const size_t bin = best_bin(range, bin_of);
-      const auto first = items.begin();
-      middle = static_cast<uint32_t>(
-          std::partition(first + range.begin, first + range.end, [&](const Item& item) { return bin_of(item) < bin; }) -
-          first);
-    }
-    if (middle == range.begin || middle == range.end) middle = cut_at_median(range, axis);
     return {Range{range.begin, middle, box_of(range.begin, middle)},
             Range{middle, range.end, box_of(middle, range.end)}};
   }
 
-  /// The first bin of the upper half that costs least.
+  /// Two non-empty halves of a range of at least two.
+  std::array<Range, 2> cut(const Range& range, bool balanced) {
+    WideBox centers;
+    for (uint32_t i = range.begin; i < range.end; ++i)
+      centers.add({items[i].doubled_center(), items[i].doubled_center()});
+    const Box box = centers.box();
+    const int axis = box.longest_axis();
+    const float low = box.min[axis];
+    const float extent = box.max[axis] - low;
+    const float scale = float(kBins) * 0.9999F / extent;
+    if (balanced || !(extent > 0) || !std::isfinite(scale)) return cut_at_median(range, axis);
+    const __m128 pick = _mm_castsi128_ps(_mm_setr_epi32(-int(axis == 0), -int(axis == 1), -int(axis == 2), 0));
+    const auto bin_of = [&](const Item& item) {
+      const __m128 at = _mm_and_ps(item.doubled_center(), pick);  // one lane is not 0
+      const float value = _mm_cvtss_f32(_mm_or_ps(_mm_or_ps(at, _mm_movehl_ps(at, at)), _mm_shuffle_ps(at, at, 1)));
+      return std::min(static_cast<uint32_t>((value - low) * scale), uint32_t(kBins - 1));
+    };
+    std::array<Range, 2> halves;
+    const uint32_t bin = best_bin(range, bin_of, halves);
+    uint32_t middle = range.begin, above = 0;
+    for (uint32_t i = range.begin; i < range.end; ++i) {  // without branches: nothing could foresee them
+      const Item item = items[i];
+      const uint32_t is_below = bin_of(item) < bin ? 1 : 0;
+      items[middle] = item, upper_items[above] = item;
+      middle += is_below, above += 1 - is_below;
+    }
+    std::copy_n(upper_items.begin(), above, items.begin() + middle);
+    if (middle == range.begin || middle == range.end) return cut_at_median(range, axis);
+    halves[0].begin = range.begin, halves[0].end = halves[1].begin = middle, halves[1].end = range.end;
+    return halves;
+  }
+
+  static float half_area(const WideBox& box) {
+    const __m128 s = _mm_sub_ps(box.max, box.min);                                        // x y z
+    const __m128 product = _mm_mul_ps(s, _mm_shuffle_ps(s, s, _MM_SHUFFLE(3, 0, 2, 1)));  // xy yz zx
+    alignas(16) float p[4];
+    _mm_store_ps(p, product);
+    return p[0] + p[1] + p[2];
+  }
+
+  /// The first bin of the upper half that costs least, and the halves' boxes.
   template <class BinOf>
-  size_t best_bin(const Range& range, const BinOf& bin_of) const {
-    std::array<Box, kBins> boxes;
+  uint32_t best_bin(const Range& range, const BinOf& bin_of, std::array<Range, 2>& halves) const {
+    std::array<WideBox, kBins> boxes;
     std::array<uint32_t, kBins> counts{};
     for (uint32_t i = range.begin; i < range.end; ++i) {
-      const size_t bin = bin_of(items[i]);
+      const uint32_t bin = bin_of(items[i]);
       boxes[bin].add(items[i].box);
       ++counts[bin];
     }
-    std::array<float, kBins> above{};
-    Box box;
+    std::array<WideBox, kBins> above;  // of this bin and those above
+    std::array<uint32_t, kBins> counts_above{};
+    WideBox box;
     uint32_t count = 0;
     for (size_t b = kBins; b-- > 1;) {
-      if (counts[b] > 0) box.add(boxes[b]);
+      box.add(boxes[b]);
       count += counts[b];
-      above[b] = count == 0 ? 0 : half_area(box) * float(count);
+      above[b] = box, counts_above[b] = count;
     }
-    box = Box{};
+    box = WideBox{};
     count = 0;
-    size_t best = kBins / 2;
+    uint32_t best = kBins / 2;
     float best_cost = kInfinity;
-    for (size_t b = 1; b < kBins; ++b) {
-      if (counts[b - 1] > 0) box.add(boxes[b - 1]);
+    for (uint32_t b = 1; b < kBins; ++b) {
+      box.add(boxes[b - 1]);
       count += counts[b - 1];
-      if (count == 0 || count == range.size()) continue;
-      const float cost = half_area(box) * float(count) + above[b];
-      if (cost < best_cost) best_cost = cost, best = b;
+      if (counts[b - 1] == 0 || count == 0 || counts_above[b] == 0) continue;  // the same as before, or all on one side
+      const float cost = half_area(box) * float(count) + half_area(above[b]) * float(counts_above[b]);
+      if (cost < best_cost) best_cost = cost, best = b, halves[0].box = box, halves[1].box = above[b];
     }
     return best;
   }
@@ -166,7 +206,7 @@ struct ClosestPointTree::Builder {
         child = build_node(parts[i], depth + 1);
       }
       BoxTreeNode& node = tree.nodes_[index];
-      const Box box = i < count ? parts[i].box : Box{glm::vec3(kInfinity), glm::vec3(kInfinity)};
+      const Box box = i < count ? parts[i].box.box() : Box{glm::vec3(kInfinity), glm::vec3(kInfinity)};
       node.min_x[i] = box.min.x, node.min_y[i] = box.min.y, node.min_z[i] = box.min.z;
       node.max_x[i] = box.max.x, node.max_y[i] = box.max.y, node.max_z[i] = box.max.z;
       node.child[i] = child;
@@ -182,9 +222,9 @@ struct ClosestPointTree::Builder {
       TriangleBlock& block = tree.blocks_.back();
       for (uint32_t lane = 0; lane < kLanes; ++lane) {
         const uint32_t item = std::min(begin + lane, range.end - 1);  // spare lanes repeat the last triangle
-        set_lane(block, lane, items[item].triangle);
+        set_lane(block, lane, items[item].triangle());
         if (begin + lane < range.end)
-          tree.slot_of_triangle_[items[item].triangle] =
+          tree.slot_of_triangle_[items[item].triangle()] =
               static_cast<uint32_t>((tree.blocks_.size() - 1) * kLanes + lane);
       }
     }
@@ -246,6 +286,7 @@ ClosestPointTree::Nearest ClosestPointTree::nearest(const glm::vec3& p, const Li
   if (limits.hint < slot_of_triangle_.size() && is_visible(limits, limits.hint)) {
     const float d2 = distance2_to(limits.hint, p);
     if (d2 < best.distance2_m2) best = {d2, limits.hint};
+    if (best.triangle != kNoTriangle && best.distance2_m2 <= limits.enough_distance2_m2) return best;
   }
   TreeSearch search{.nodes = nodes_.data(),
                     .blocks = blocks_.data(),

@@ -259,11 +259,9 @@ uint32_t Collapser::triangles_between(uint32_t place, uint32_t target) const {
   return count;
 }
 
-const std::vector<uint32_t>& Collapser::ring_of(uint32_t place) {
-  find_ring(place);
-  ring_places_.clear();
-  for (const Neighbour& n : ring_) ring_places_.push_back(n.place);
-  return ring_places_;
+void Collapser::chosen_ring(std::vector<uint32_t>& ring) const {
+  ring.clear();
+  for (const Neighbour& n : ring_) ring.push_back(n.place);
 }
 
 void Collapser::add_candidate(uint32_t triangle, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {

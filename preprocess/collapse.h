@@ -54,8 +54,8 @@ class Collapser {
   /// Does what choose() chose last, for the same place.
   void collapse(uint32_t place, uint32_t target);
 
-  /// Places that share a triangle with this one, each once. Valid until the next call of anything here.
-  const std::vector<uint32_t>& ring_of(uint32_t place);
+  /// Places that share a triangle with the place that choose() was last asked about, each once.
+  void chosen_ring(std::vector<uint32_t>& ring) const;
 
   /// For each point the triangle nearest to it around the place of the same index; kNone where there are none. Returns
   /// the largest distance. Quicker where neighbours in the lists have the same place.
@@ -124,7 +124,6 @@ class Collapser {
   std::vector<uint32_t> seen_in_;
   uint32_t walk_ = 0;
   std::vector<Neighbour> ring_;
-  std::vector<uint32_t> ring_places_;
   std::vector<Line> lines_;
   std::vector<uint32_t> fan_;  // the place's corners in living triangles
   struct alignas(16) Estimates : std::array<float, kAtOnce> {};

@@ -72,13 +72,24 @@ void Parts::build_tree() {
   tree_ = ClosestPointTree(positions_, indices);
 }
 
+float Parts::first_look(uint32_t part) {
+  looked_at_[part] = 1;
+  farthest_[part] = positions_[indices_[size_t(triangles_[part].front()) * 3]];
+  const uint8_t hidden_before = hidden_[part];
+  hidden_[part] = 1;
+  const float distance2 = tree_
+                              .nearest(farthest_[part], {.group_of_triangle = part_of_tree_triangle_.data(),
+                                                         .group_hidden = hidden_.data()})
+                              .distance2_m2;
+  hidden_[part] = hidden_before;
+  return std::sqrt(distance2);
+}
+
 float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m,
                           std::vector<Beside>& beside) {
   beside.clear();
   const uint8_t hidden_before = hidden_[part];
   if (remaining_ < (hidden_before != 0 ? 1 : 2)) return std::numeric_limits<float>::infinity();
-  const bool first_look = looked_at_[part] == 0;
-  looked_at_[part] = 1;
   const float limit2 = limit_m * limit_m;
   float cost2 = 0;
   uint32_t hint = kNoTriangle;
@@ -91,12 +102,12 @@ float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, f
     if (found.distance2_m2 > cost2) cost2 = found.distance2_m2, farthest_[part] = p;
   };
   hidden_[part] = 1;
-  if (!first_look) look_from(farthest_[part]);
+  look_from(farthest_[part]);
   for (size_t i = 0; i < points.size() && cost2 <= limit2; ++i) {
     look_from(points[i]);
     beside.push_back({corner_of(hint, points[i]), hint});
   }
-  if (!first_look && cost2 > limit2)
+  if (cost2 > limit2)
     for (size_t i = 0; i < points.size(); i += points.size() / kMoreLooks + 1) look_from(points[i]);
   hidden_[part] = hidden_before;
   return std::sqrt(cost2);
@@ -131,9 +142,9 @@ uint32_t Parts::nearest_besides(uint32_t part, const glm::vec3& point, uint32_t 
   return found.triangle;
 }
 
-uint32_t Parts::nearest_corner_besides(uint32_t part, const glm::vec3& point, uint32_t hint) {
-  const uint32_t found = nearest_besides(part, point, hint);
-  return found == kNoTriangle ? WorkMesh::kNone : corner_of(found, point);
+uint32_t Parts::nearest_corner_besides(uint32_t part, const glm::vec3& point, uint32_t& near) {
+  near = nearest_besides(part, point, near);
+  return near == kNoTriangle ? WorkMesh::kNone : corner_of(near, point);
 }
 
 std::optional<float> Parts::height_besides(uint32_t part, const glm::vec3& point, const glm::vec3& normal) {

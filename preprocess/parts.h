@@ -31,17 +31,20 @@ class Parts {
     uint32_t tree_triangle;  ///< where to begin to look again
   };
 
+  /// Distance of one of a part's places to the parts that remain without it; infinite where none does.
+  float first_look(uint32_t part);
+  bool looked_at(uint32_t part) const { return looked_at_[part] != 0; }
+
   /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Where that is
-  /// over the limit only some points are looked at: the largest distance of those. A part's first look ends at the
-  /// first point over the limit: most parts are far too dear and never looked at again. beside: for each point, where
-  /// no more than the limit is returned, a triangle as near as that.
+  /// over the limit only some points are looked at: the largest distance of those. beside: for each point, where no
+  /// more than the limit is returned, a triangle as near as that. After first_look.
   float removal_cost(uint32_t part, const std::vector<glm::vec3>& points, float limit_m, std::vector<Beside>& beside);
 
   void remove(uint32_t part);
 
   /// A corner, as the work mesh numbers them, of the triangle nearest to a point among the parts that remain without
-  /// `part`; kNone where none does. hint: a tree triangle that may be near.
-  uint32_t nearest_corner_besides(uint32_t part, const glm::vec3& point, uint32_t hint);
+  /// `part`; kNone where none does. near: in and out, the tree's triangle found for a neighbouring point.
+  uint32_t nearest_corner_besides(uint32_t part, const glm::vec3& point, uint32_t& near);
 
   /// How far a point lies in front of the triangle nearest to it among the parts that remain without `part`, as it was;
   /// nullopt where that does not face along `normal`, or there is none.
@@ -59,7 +62,7 @@ class Parts {
   std::vector<std::vector<uint32_t>> triangles_;
   std::vector<uint8_t> hidden_;
   std::vector<uint8_t> looked_at_;
-  std::vector<glm::vec3> farthest_;  // of each part: the point that its last look ended at
+  std::vector<glm::vec3> farthest_;  // of each part: the farthest point that the last look found
   uint32_t remaining_ = 0;
 
   // The tree has the triangles that remained when it was built: hidden ones cost time, so it is built anew when half

@@ -44,11 +44,11 @@ class PatchFinder {
     const auto triangles = static_cast<uint32_t>(work_.triangle_count());
     uint32_t patches = 0;
     std::vector<Candidate> candidates;
+    Candidate grown;
     for (uint32_t t = 0; t < triangles; ++t) {
       if (patch_of_[t] != kNone) continue;
-      Candidate candidate;
-      candidate.number = patches++;
-      if (grow(t, candidate)) candidates.push_back(std::move(candidate));
+      grown.start(patches++);
+      if (grow(t, grown)) candidates.push_back(grown);
     }
     // Small ones first; of two that border on each other one is the ground.
     std::stable_sort(candidates.begin(), candidates.end(),
@@ -71,6 +71,12 @@ class PatchFinder {
     uint32_t number = 0;
     float area = 0;
     std::vector<uint32_t> around;  // triangles of another colour
+
+    /// Forgets all but its memory.
+    void start(uint32_t its_number) {
+      number = its_number, area = 0;
+      patch.triangles.clear(), patch.ground.clear(), patch.outline.clear(), around.clear();
+    }
   };
 
   uint32_t material(uint32_t triangle) const { return source_.material_of(work_.source_triangle[triangle]); }
@@ -134,6 +140,7 @@ class PatchFinder {
           }
           continue;
         }
+        if (!liftable) continue;  // grows to its end, so that no part of it passes for a patch, but is forgotten
         length += edge_m;
         patch.outline.push_back(c);
         if (!same_material || contrast < kLeastContrast) continue;

@@ -154,12 +154,11 @@ class Simplifier {
     uint32_t& alive = alive_in_part_[parts_.of_place(place)];
     const uint32_t before = work_.alive_count;
     if (collapser_.triangles_between(place, choice.target) >= alive) return;
+    collapser_.chosen_ring(ring_);
     collapser_.collapse(place, choice.target);
     reached_m_ = std::max(reached_m_, choice.cost_m);
     alive -= before - work_.alive_count;
-    queue_again(choice.target);
-    ring_ = collapser_.ring_of(choice.target);
-    for (const uint32_t p : ring_) queue_again(p);
+    for (const uint32_t p : ring_) queue_again(p);  // the target among them; nothing else has other triangles now
   }
 
   /// After a change beside it: what it cost for certain before, it hardly costs less than now.
@@ -199,12 +198,14 @@ class Simplifier {
     const float queued = queue_.top_cost();
     queue_.remove(places() + part);
     const float limit = patience(queued);
+    if (!parts_.looked_at(part))  // most are far too dear, as any of their points shows, and never looked at again
+      if (const float cost = parts_.first_look(part); cost > limit) return queue_.set(places() + part, cost);
     gather_points(part, limit);
-    const float cost = parts_.removal_cost(part, points_, limit, beside_);
-    if (cost > limit) return queue_.set(places() + part, std::max(cost, paint_m_[part]));
     float& paint = paint_m_[part];  // asked once: its surroundings change little before it goes
     if (paint < 0) paint = paint_cost(part);
     if (paint > limit) return queue_.set(places() + part, paint);
+    const float cost = parts_.removal_cost(part, points_, limit, beside_);
+    if (cost > limit) return queue_.set(places() + part, std::max(cost, paint));
     const float now = std::max(cost, distance_now());
     if (now > limit) return queue_.set(places() + part, now);
     reached_m_ = std::max(reached_m_, now);
@@ -267,8 +268,9 @@ class Simplifier {
     constexpr size_t kSamples = 8;  // enough to tell paint from a piece of the same wall
     const size_t stride = points_.size() / kSamples + 1;
     float contrast = 0;
+    uint32_t near = kNoTriangle;
     for (size_t i = 0; i < points_.size() && contrast < kPaintContrast; i += stride) {
-      const uint32_t corner = parts_.nearest_corner_besides(part, points_[i], beside_[i].tree_triangle);
+      const uint32_t corner = parts_.nearest_corner_besides(part, points_[i], near);
       if (corner == WorkMesh::kNone) return 0;
       contrast = std::max(
           contrast, color_contrast(source_.colors[work_.attributes[shown]], source_.colors[work_.attributes[corner]]));

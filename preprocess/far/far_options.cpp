@@ -147,8 +147,17 @@ Result<FarTables> far_grid(const Model& model, const FarOptions& o) {
   const auto largest_m = [&o](const FlatShell& flat) {
     return std::min(o.depth ? kDepthCells * flat.cell_m : flat.cell_m, kLargestCell * flat.box_m);
   };
+  // Whole numbers of cells within: then each lies in one cell of the next shell, and needs that one's pictures alone.
   const double flat_m = shells->front().cell_m;
   tables.cell_m = o.cell_m > 0 ? o.cell_m : largest_m(shells->front());
+  double within_m = tables.cell_m, of_innermost = 1;
+  for (size_t i = 1; i < shells->size(); ++i) {
+    const double most = largest_m((*shells)[i]) / within_m * (1 + 1e-9);
+    const double times = std::max(1.0, o.cell_m > 0 ? std::floor(most) : std::round(most));
+    tables.outer.push_back({(*shells)[i].box_m, static_cast<uint32_t>(times)});
+    within_m *= times, of_innermost *= times;
+    if (o.cell_m == 0) tables.cell_m = std::min(tables.cell_m, largest_m((*shells)[i]) / of_innermost);
+  }
   if (!o.depth && tables.cell_m > flat_m * (1 + 1e-9))
     return Error{
         fmt::format("--far-cell {}: flat pictures on a box of {:.1f} m keep {} degrees in cells of {:.3f} m at "
@@ -156,14 +165,6 @@ Result<FarTables> far_grid(const Model& model, const FarOptions& o) {
                     tables.cell_m, tables.box_m, o.bound_deg, flat_m)};
   if (tables.cell_m > kLargestCell * tables.box_m * (1 + 1e-9))
     return Error{fmt::format("--far-cell {}: at most a quarter of the box's {:.1f} m", tables.cell_m, tables.box_m)};
-  // Whole numbers of cells within: then each lies in one cell of the next shell, and needs that one's pictures alone.
-  double within_m = tables.cell_m;
-  for (size_t i = 1; i < shells->size(); ++i) {
-    const FlatShell& flat = (*shells)[i];
-    const double times = std::max(1.0, std::floor(largest_m(flat) / within_m * (1 + 1e-9)));
-    tables.outer.push_back({flat.box_m, static_cast<uint32_t>(times)});
-    within_m *= times;
-  }
   tables.origin = space.min;
   for (int i = 0; i < 3; ++i) {
     const double count = std::max(1.0, std::ceil(size[i] / tables.cell_m));

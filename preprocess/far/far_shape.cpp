@@ -133,11 +133,14 @@ class FarShaper {
       }
   }
 
-  /// A vertex of two or three sides has one depth: the nearest that one of them saw.
+  /// A vertex of two or three sides is one ray. Where rounding lets them see different things along it, as at what the
+  /// box cuts, all get the nearest that one of them saw, its depth and its colour.
   void join_borders() {
     struct Seen {
       uint16_t depth = 0;
       bool there = false;
+      float depth_m = 0;
+      glm::u8vec4 color{0};
     };
     std::unordered_map<uint64_t, Seen> joined;
     for (uint32_t s = 0; s < 6; ++s)
@@ -145,12 +148,21 @@ class FarShaper {
         for_each_border(s, [&](uint64_t key, uint32_t i) {
           Seen& seen = joined[key];
           const bool is_there = there(*shapes_[s], i);
-          if (is_there == seen.there) seen.depth = std::max(seen.depth, shapes_[s]->face.depth[i]);
-          if (is_there && !seen.there) seen = {shapes_[s]->face.depth[i], true};
+          const uint16_t depth = shapes_[s]->face.depth[i];
+          if (is_there && (!seen.there || depth_m_[s][i] < seen.depth_m))
+            seen = {depth, true, depth_m_[s][i], shapes_[s]->face.colors.pixels[i]};
+          else if (!is_there && !seen.there)
+            seen.depth = std::max(seen.depth, depth);
         });
     for (uint32_t s = 0; s < 6; ++s)
       if (shapes_[s])
-        for_each_border(s, [&](uint64_t key, uint32_t i) { shapes_[s]->face.depth[i] = joined[key].depth; });
+        for_each_border(s, [&](uint64_t key, uint32_t i) {
+          const Seen& seen = joined[key];
+          shapes_[s]->face.depth[i] = seen.depth;
+          if (!there(*shapes_[s], i)) return;
+          depth_m_[s][i] = seen.depth_m;
+          shapes_[s]->face.colors.pixels[i] = seen.color;
+        });
   }
 
   /// Keeps a border's vertices on all sides that have them; true: some were not.
@@ -287,8 +299,12 @@ class FarShaper {
           const glm::dvec3 drawn = (double(wa) * corner[0] + double(wb) * corner[1] + double(wc) * corner[2]) / area;
           const double drawn_m = glm::length(drawn), true_m = double(depth_m_[s][i]) * ray.length;
           const double aside_m = glm::length(drawn - ray.direction * (drawn_m / ray.length));
-          const double off = parallax_bound_rad(ray.reach, drawn_m, true_m) +
-                             aside_m / std::max(drawn_m - std::hypot(ray.reach.along_m, ray.reach.aside_m), 1e-9);
+          const double turned = aside_m / std::max(drawn_m - std::hypot(ray.reach.along_m, ray.reach.aside_m), 1e-9);
+          double off = parallax_bound_rad(ray.reach, drawn_m, true_m) + turned;
+          // That is a little too much: where it matters, corner by corner.
+          if (off > tables_.bound_rad)
+            off = std::min(off, turned + parallax_rad(glm::dvec3(tables_.cell_m / 2), ray.direction,
+                                                      drawn_m / ray.length, true_m / ray.length));
           largest = std::max(largest, std::min(off, glm::pi<double>()));
         }
       visit(a, b, largest);

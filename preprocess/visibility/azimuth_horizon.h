@@ -37,7 +37,8 @@ class AzimuthHorizon {
   /// Whether nothing of it is seen over what was added.
   bool hides(const BoxInView& view) const;
 
-  /// Only bins that may matter need to be filled: add() leaves the others as they are. After reset() all matter.
+  /// Only bins that may matter need to be filled, and only until what is wanted in them is hidden: add() leaves the
+  /// others as they are. After reset() everything matters.
   void want_none();
   void want(const BoxInView& view);
   void wants_complete();
@@ -51,25 +52,36 @@ class AzimuthHorizon {
     static constexpr uint32_t kMost = 7;
     uint32_t count = 0;
     std::array<float, kMost> nearness, slope;  ///< nearness: inverse of the distance
-  };
-  /// Of a polygon in work, from the eye.
-  struct Corner {
-    glm::dvec2 off{0};
-    double turn = 0;     ///< its place around the eye, in bins
-    double inverse = 0;  ///< of its distance
-    uint32_t bin() const { return static_cast<uint32_t>(turn) & (kBins - 1); }
+    bool hides(float nearness_of, float slope_of) const {
+      uint32_t k = count;
+      while (k > 0 && nearness[k - 1] < nearness_of) --k;
+      return k > 0 && slope[k - 1] >= slope_of;
+    }
   };
   /// A wall through all of a bin, by the inverses of its least and greatest distance.
   void commit(uint32_t bin, double nearest, double farthest);
-  bool wanted(uint32_t first_bin, uint32_t bins) const;
+  void find_sector();
+  void place(size_t corner);
+  void place_corners(std::span<const glm::vec2> polygon);
+  uint32_t bin_of(size_t corner) const { return static_cast<uint32_t>(turn_[corner]) & (kBins - 1); }
+  /// Whether something that is wanted there is not hidden yet.
+  bool is_open(uint32_t first_bin, uint32_t bins) const;
+  bool is_open(uint32_t bin) const { return (open_[bin / kWord] >> (bin % kWord) & 1U) != 0; }
 
   struct Walk;
   glm::dvec3 eye_{0};
   double rise_m_ = 0;  ///< of the polygon in work: its top over the eye
-  std::vector<Corner> corners_;
+  /// Of the polygon's corners, as seen from the eye: where, the place around it in bins, the inverse of the distance.
+  std::vector<double> x_, y_, turn_, inverse_;
+  std::vector<uint8_t> beside_;  ///< bits: it lies clockwise, counter-clockwise of the sector
+  /// The ends of a sector, less than half a turn, that all wanted bins lie in; 0: there is none. Sides that do not
+  /// reach into it need not be walked.
+  std::array<glm::dvec2, 2> sector_{};
   std::vector<Bin> bins_ = std::vector<Bin>(kBins);
-  std::vector<uint32_t> wanted_ = std::vector<uint32_t>(kBins + 1);  ///< sums of flags
-  bool all_wanted_ = true;
+  /// By bin: what is wanted is nowhere nearer, nowhere steeper.
+  std::array<float, kBins> wanted_nearness_, wanted_slope_;
+  static constexpr uint32_t kWord = 64;
+  std::array<uint64_t, kBins / kWord> open_;  ///< a bit a bin
 };
 
 }  // namespace promenade

@@ -19,7 +19,7 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr uint32_t kNoRegion = 0xffffffffU;
 constexpr size_t kMostTops = 6;      // of an occluder: flat roofs need one, hips some
 constexpr double kLeastGain = 0.01;  // of the volume: what another top must add
-constexpr double kLossM = 0.15;      // what may stick out of a wall to be cut off; and a quarter of the erosion
+constexpr double kLossM = 0.25;      // what may stick out of a wall to be cut off; and a quarter of the erosion
 constexpr float kLeastLoopM = 1.0F;  // smaller loops hide next to nothing
 constexpr double kGroundBlockM = 16;
 

@@ -16,7 +16,7 @@
 namespace promenade {
 
 struct OccluderOptions {
-  double column_m = 0.25;     ///< finest gap that is seen; coarser: faster, occluders thinner by about as much
+  double column_m = 0.18;     ///< finest gap that is seen; coarser: faster, occluders thinner by about as much
   double tile_m = 128;        ///< the world is worked through in squares of this size ...
   double margin_m = 24;       ///< ... with this much around them: buildings longer than twice that may fall apart
   double least_rise_m = 1.5;  ///< lower things hide too little to be kept

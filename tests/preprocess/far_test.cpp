@@ -255,7 +255,7 @@ TEST_F(FarPictures, keep_the_bound_at_random_points_and_eyes_with_and_without_de
 TEST_F(FarPictures, of_several_shells_keep_the_bound_in_each_and_share_the_outer_ones) {
   for (const bool depth : {false, true}) {
     BuildOptions o = options(depth);
-    o.far.shells = 2, o.far.box_m = 90, o.far.spacing_factor = 2.2;
+    o.far.shells = 2, o.far.box_m = 90, o.far.spacing_factor = 3;
     const Result<ModelReader> reader = built(o);
     ASSERT_TRUE(reader.ok());
     const FarTables& tables = reader->far()->tables();
@@ -284,6 +284,30 @@ TEST_F(FarPictures, with_depth_allow_larger_cells_at_the_same_bound) {
   const Result<BuildFigures> flat = build_model(o, monitor);
   ASSERT_FALSE(flat.ok());
   EXPECT_THAT(flat.error().message, HasSubstr("--far-cell"));
+}
+
+TEST(FarShape, keeps_the_bound_where_two_sides_see_different_things_along_their_common_edge) {
+  FarTables tables;
+  tables.bound_rad = 0.02, tables.box_m = 100, tables.cell_m = 4, tables.face_levels = 4, tables.has_depth = true;
+  const uint32_t pixels = 17;
+  const auto draw = [&](float rim_m, std::optional<DrawnSide>& to) {
+    DrawnSide& side = to.emplace();
+    side.colors.width = side.colors.height = pixels;
+    side.colors.pixels.resize(pixels * pixels, {90, 90, 90, 255});
+    side.depth_m.resize(pixels * pixels, 500);
+    for (uint32_t y = 0; y < pixels; ++y)
+      for (const uint32_t x : {0U, pixels - 1}) {
+        side.depth_m[y * pixels + x] = rim_m;
+        if (rim_m < 500) side.colors.at(x, y) = {200, 0, 0, 255};
+      }
+  };
+  std::array<std::optional<DrawnSide>, 6> sides;
+  draw(500, sides[0]), draw(51, sides[2]);
+  const ShapedFar shaped = shape_far(tables, std::move(sides));
+  EXPECT_LE(shaped.parallax_rad, tables.bound_rad);
+  uint32_t red = 0;
+  for (const glm::u8vec4& p : shaped.faces[0]->colors.pixels) red += p.r == 200 ? 1U : 0U;
+  EXPECT_EQ(red, pixels) << "the edge that the two share shows the nearer on both";
 }
 
 TEST(FarGroups, hold_each_place_once_the_key_in_the_middle) {

@@ -27,8 +27,11 @@ namespace {
 
 constexpr int kMostHalvings = 6;  // measured: study hiders
 constexpr float kSmallestSegmentM = 0.2F;
-constexpr int kLook = 3;             // halvings before which corners and middles have been looked from already
-constexpr size_t kFewTargets = 500;  // more are looked at node by node
+// Measured: after so many halvings it pays to look whether what is undecided is seen. Bins are coarse, and what a look
+// sees is kept for good: more looks are slower, and keep more.
+constexpr int kLook = 3;
+constexpr size_t kFewTargets = 500;  // more are looked at node by node, but for nodes that fill a wide angle
+constexpr uint32_t kWideBins = AzimuthHorizon::kBins / 16;
 
 /// Whether one of two boxes lies above or below the other.
 bool share_plan(const Box& a, const Box& b) {
@@ -76,15 +79,10 @@ class CellWork {
   void prove_edges();
   void prove(const glm::dvec3& from, const glm::dvec3& to, Targets targets, int halvings);
   void fill_horizon(const glm::dvec3& eye, const Targets& targets, float erosion_m);
-  /// Targets that the horizon does not hide.
+  /// Of the targets that the horizon was filled for, those that it does not hide.
   Targets not_hidden(const Targets& targets);
   /// Keeps nodes with a target that the horizon does not hide.
-  void keep_seen(const Targets& targets) {
-    for (const uint32_t t : targets) {
-      State& state = state_[targets_[t].node];
-      if (state == State::open && !horizon_.hides(horizon_.view_of(targets_[t].box))) state = State::seen;
-    }
-  }
+  void keep_seen(const Targets& targets) { keep(not_hidden(targets)); }
   void keep(const Targets& targets) {
     for (const uint32_t t : targets) state_[targets_[t].node] = State::seen;
   }
@@ -112,6 +110,7 @@ class CellWork {
   float lowest_m_ = 0;                  ///< no ray that matters goes below
   std::vector<UsableOccluder> usable_;  ///< nearest first
   AzimuthHorizon horizon_;
+  std::vector<BoxInView> views_;  ///< of the targets that it was filled for; empty: these are many
 };
 
 /// What rays from the cell may do on their way to a part. Eyes are in the air, so above the ground; what lies below the
@@ -170,12 +169,19 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
   horizon_.reset(eye);
   horizon_.want_none();
   const bool few = targets.size() < kFewTargets;
-  for (size_t i = 0; i < targets.size(); ++i) {
-    const Target& target = targets_[targets[i]];
-    if (few)
-      horizon_.want(horizon_.view_of(target.box));
-    else if (i == 0 || target.node != targets_[targets[i - 1]].node)
-      horizon_.want(horizon_.view_of(boxes_[target.node]));
+  views_.clear();
+  for (size_t i = 0; i < targets.size();) {
+    const uint32_t node = targets_[targets[i]].node;
+    BoxInView whole;
+    if (!few) whole = horizon_.view_of(boxes_[node]);
+    const bool as_one = !few && whole.bins < kWideBins;
+    if (as_one) horizon_.want(whole);
+    for (; i < targets.size() && targets_[targets[i]].node == node; ++i) {
+      if (as_one) continue;
+      const BoxInView view = horizon_.view_of(targets_[targets[i]].box);
+      horizon_.want(view);
+      if (few) views_.push_back(view);
+    }
   }
   horizon_.wants_complete();
   for (const UsableOccluder& usable : usable_) {
@@ -192,25 +198,25 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
   }
 }
 
-/// Nodes first, their parts only where that does not do.
+/// Few by their views; of many, nodes first, their parts only where that does not do.
 CellWork::Targets CellWork::not_hidden(const Targets& targets) {
   Targets left;
+  const bool few = views_.size() == targets.size();
   for (size_t i = 0; i < targets.size();) {
     const uint32_t node = targets_[targets[i]].node;
-    const bool hidden = horizon_.hides(horizon_.view_of(boxes_[node]));
+    const bool hidden = !few && horizon_.hides(horizon_.view_of(boxes_[node]));
     for (; i < targets.size() && targets_[targets[i]].node == node; ++i)
-      if (!hidden && !horizon_.hides(horizon_.view_of(targets_[targets[i]].box))) left.push_back(targets[i]);
+      if (!hidden && !horizon_.hides(few ? views_[i] : horizon_.view_of(targets_[targets[i]].box)))
+        left.push_back(targets[i]);
   }
   return left;
 }
 
-/// Most of what is seen is seen from a corner or from the middle of an edge.
+/// Most of what is seen is seen from a corner.
 void CellWork::look_from_corners() {
   Targets open(targets_.size());
   std::iota(open.begin(), open.end(), 0U);
-  const auto corner = corners();
-  for (size_t i = 0; i < 8; ++i) {
-    const glm::dvec3 eye = i < 4 ? corner[i] : (corner[i - 4] + corner[(i - 3) % 4]) * 0.5;
+  for (const glm::dvec3& eye : corners()) {
     fill_horizon(eye, open, 0);
     keep_seen(open);
     open = still_open(open);
