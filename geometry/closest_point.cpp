@@ -1,5 +1,7 @@
 #include "geometry/closest_point.h"
 
+#include <smmintrin.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -4,13 +4,9 @@
 
 #include <immintrin.h>
 
-#include <cstddef>
-
 #define PROMENADE_INLINE [[gnu::always_inline]] inline
 
 namespace promenade {
-
-constexpr size_t kLanes = 8;
 
 #ifdef __AVX2__
 namespace lanes_avx2 {

@@ -2,12 +2,12 @@
 // The inner loops of closest-point queries, eight triangles or boxes at a time. The processor's vectors decide which of
 // two compilations of the same code runs (as in raster/); both give the same bits.
 
+#include <cstddef>
 #include <cstdint>
-#include <limits>
-
-#include "geometry/lanes.h"
 
 namespace promenade {
+
+constexpr size_t kLanes = 8;
 
 /// Eight triangles, each in its own frame: origin at a corner, x along an edge (length `base`), y across it towards the
 /// apex (apex_x, apex_y >= 0), z along the normal.

@@ -1,5 +1,9 @@
 #include "geometry/triangle_kernels.h"
 
+#include <limits>
+
+#include "geometry/lanes.h"
+
 namespace promenade {
 
 #ifdef __AVX2__

@@ -1,5 +1,7 @@
 #include "preprocess/collapse.h"
 
+#include <smmintrin.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>

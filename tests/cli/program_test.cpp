@@ -171,6 +171,21 @@ TEST_F(SmallCity, gets_far_pictures_later_and_is_flown_and_held_against_the_sour
   ASSERT_EQ(held.exit_code, 0) << held.err;
   // Four degrees are 20 pixels in the picture's middle; without far pictures as surfaces it would be hundreds.
   EXPECT_LT(json_in(folder() / "held.json")["pixel_error_p99_px"], 25);
+  // Once more, in two shells.
+  const ProgramRun shells = run_program(
+      "far far.prom --far-path city_fly.json --far-bound 4 --far-side 129 --far-shells 2 --json far.json", folder());
+  ASSERT_EQ(shells.exit_code, 0) << shells.err;
+  const json both = json_in(folder() / "far.json")["far"];
+  ASSERT_EQ(both["shells"].size(), 2U);
+  EXPECT_GT(both["shells"][1]["box_m"], both["shells"][0]["box_m"]);
+  EXPECT_LE(both["parallax_max_deg"], 4);
+  const ProgramRun again = run_program(
+      "verify far.prom --cells 0 --source city.glb --path city_fly.json --source-views 3 --size 320x180 --policy "
+      "stratified --json held.json",
+      folder());
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_LT(json_in(folder() / "held.json")["pixel_error_p99_px"], 25);
+  EXPECT_EQ(run_program("far far.prom --far-shells 9", folder()).exit_code, 1);
   EXPECT_EQ(run_program("far far.prom --far-bound 0", folder()).exit_code, 1);
   expect_one_clear_line(run_program("far none.prom", folder()), "none.prom");
 }

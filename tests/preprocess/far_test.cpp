@@ -255,7 +255,8 @@ TEST_F(FarPictures, keep_the_bound_at_random_points_and_eyes_with_and_without_de
 TEST_F(FarPictures, of_several_shells_keep_the_bound_in_each_and_share_the_outer_ones) {
   for (const bool depth : {false, true}) {
     BuildOptions o = options(depth);
-    o.far.shells = 2, o.far.box_m = 90, o.far.spacing_factor = 3;
+    o.far.shells = 2, o.far.box_m = 104, o.far.spacing_factor = 3;
+    o.far.side_px = 129;  // rays fall between texels: these must be well below the bound
     const Result<ModelReader> reader = built(o);
     ASSERT_TRUE(reader.ok());
     const FarTables& tables = reader->far()->tables();
@@ -271,7 +272,8 @@ TEST_F(FarPictures, of_several_shells_keep_the_bound_in_each_and_share_the_outer
     audit.run(audit_points());
     EXPECT_GT(audit.seen, audit_points() / 8);
     EXPECT_EQ(audit.over, 0) << "of " << audit.seen << ", the worst " << glm::degrees(audit.largest_rad) << " degrees";
-    EXPECT_EQ(audit.undrawn, 0) << "of " << audit.seen;
+    // Beside a tower that the box cuts, a sliver of it may be narrower than a texel: its node, drawn whole, shows it.
+    EXPECT_LE(audit.undrawn, audit.seen / 2000) << "of " << audit.seen;
     std::printf("%s, 2 shells: %d points, %.3f of %.3f degrees at most, %zu cells\n", depth ? "depth" : "flat",
                 audit.seen, glm::degrees(audit.largest_rad), glm::degrees(tables.bound_rad), tables.cells.size());
   }
