@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -19,8 +20,8 @@ namespace {
 constexpr uint32_t kMagic = 0x48534d50;  // "PMSH"
 constexpr uint8_t kVersion = 3;
 constexpr size_t kHeaderBytes = 24;
-constexpr uint8_t kHasNormals = 1, kHasTexcoords = 2, kHasColors = 4, kHasMaterials = 8, kOnGrid = 16;
-constexpr uint8_t kAllFlags = 31;
+constexpr uint8_t kHasNormals = 1, kHasTexcoords = 2, kHasColors = 4, kHasMaterials = 8, kOnGrid = 16, kFine = 32;
+constexpr uint8_t kAllFlags = 63;
 constexpr int kMaxExponent = 60;
 constexpr int64_t kFarthestBase = int64_t(1) << 53;  // no sum with an offset overflows; encoders stay far below
 constexpr int64_t kMeshoptTexcoordSteps = int64_t(1) << 28;
@@ -34,6 +35,7 @@ struct Header {
   uint8_t flags = 0;
   int8_t position_exponent = 0;
   int8_t texcoord_exponent = 0;
+  uint8_t fine_bits = 0;  ///< 0 without kFine
   uint32_t vertices = 0;
   uint32_t triangles = 0;
   uint32_t runs = 0;
@@ -57,7 +59,8 @@ void put_header(ByteWriter& writer, const Header& header) {
   writer.put(header.triangles);
   writer.put(header.runs);
   writer.put(header.texcoord_exponent);
-  for (int i = 0; i < 3; ++i) writer.put(uint8_t(0));
+  writer.put(header.fine_bits);
+  for (int i = 0; i < 2; ++i) writer.put(uint8_t(0));
 }
 
 Result<Header> get_header(ByteReader& reader, uint64_t max_bytes) {
@@ -78,9 +81,13 @@ Result<Header> get_header(ByteReader& reader, uint64_t max_bytes) {
   header.triangles = reader.get<uint32_t>();
   header.runs = reader.get<uint32_t>();
   header.texcoord_exponent = reader.get<int8_t>();
-  const uint32_t reserved = reader.get<uint8_t>() | uint32_t(reader.get<uint16_t>());
-  if (header.flags > kAllFlags || reserved != 0)
-    return Error{fmt::format("mesh: unknown flags {:#x} or reserved bytes {:#x}", header.flags, reserved)};
+  header.fine_bits = reader.get<uint8_t>();
+  const auto reserved = reader.get<uint16_t>();
+  const bool is_fine = header.fine_bits > 0 && header.fine_bits <= kMaxFineBits && header.has(kOnGrid) &&
+                       header.codec == GeometryCodec::meshopt;
+  if (header.flags > kAllFlags || reserved != 0 || (header.has(kFine) ? !is_fine : header.fine_bits != 0))
+    return Error{fmt::format("mesh: unknown flags {:#x} or reserved bytes {:#x}", header.flags,
+                             uint32_t(reserved) << 8U | header.fine_bits)};
   if (header.mesh_bytes() > max_bytes)
     return Error{fmt::format("mesh: {} vertices and {} triangles take {} bytes, at most {} are allowed",
                              header.vertices, header.triangles, header.mesh_bytes(), max_bytes)};
@@ -105,6 +112,12 @@ Header header_for(const Mesh& mesh, const GeometryEncodeOptions& options) {
 float bound_m(double distance) {
   const auto rounded = static_cast<float>(distance);
   return double(rounded) < distance ? std::nextafter(rounded, std::numeric_limits<float>::infinity()) : rounded;
+}
+
+/// How many bits finer than its grid a mesh is coded.
+int fine_bits_of(const GeometryEncodeOptions& options) {
+  if (options.codec != GeometryCodec::meshopt || !options.position_step_m || !(options.fine_step_m > 0)) return 0;
+  return std::clamp(std::ilogb(*options.position_step_m) - std::ilogb(options.fine_step_m), 0, kMaxFineBits);
 }
 
 double rounding_error_m(const Mesh& mesh, float step_m) {
@@ -200,6 +213,7 @@ Result<Mesh> mesh_of_quantized(const Header& header, std::span<const std::byte> 
   mesh.on_grid = header.has(kOnGrid);
   mesh.has_materials = header.has(kHasMaterials);
   mesh.position_exponent = header.position_exponent;
+  mesh.fine_bits = header.fine_bits;
   mesh.texcoord_exponent = header.texcoord_exponent;
   for (int64_t& base : mesh.position_base) base = reader.get<int64_t>();
   for (int64_t& base : mesh.texcoord_base) base = reader.get<int64_t>();
@@ -264,11 +278,14 @@ Result<EncodedMesh> encode_mesh(const Mesh& mesh, const GeometryEncodeOptions& o
     out = assembled(header, raw_payload(mesh, options.position_step_m), options.zstd_level);
   } else {
     const bool meshopt = options.codec == GeometryCodec::meshopt;
+    const int fine_bits = fine_bits_of(options);
     const Result<QuantizedMesh> quantized =
-        quantize(mesh, options.position_step_m, meshopt ? kMeshoptTexcoordSteps : kDracoTexcoordSteps);
+        quantize(mesh, options.position_step_m, fine_bits, meshopt ? kMeshoptTexcoordSteps : kDracoTexcoordSteps);
     if (!quantized) return quantized.error();
     header.position_exponent = quantized->position_exponent;
     header.texcoord_exponent = quantized->texcoord_exponent;
+    header.fine_bits = quantized->fine_bits;
+    if (fine_bits > 0) header.flags |= kFine;
     header.vertices = static_cast<uint32_t>(quantized->positions.size());
     header.triangles = static_cast<uint32_t>(quantized->indices.size() / 3);
     header.runs = static_cast<uint32_t>(quantized->runs.size());
@@ -276,7 +293,9 @@ Result<EncodedMesh> encode_mesh(const Mesh& mesh, const GeometryEncodeOptions& o
     if (!payload) return payload.error();
     out = assembled(header, *payload, options.zstd_level);
   }
-  if (options.position_step_m) out.position_error_m = bound_m(rounding_error_m(mesh, *options.position_step_m));
+  if (options.position_step_m)
+    out.position_error_m =
+        bound_m(rounding_error_m(mesh, std::ldexp(*options.position_step_m, -fine_bits_of(options))));
   return out;
 }
 
@@ -285,6 +304,13 @@ float position_step_m(std::span<const std::byte> bytes) {
   const Result<Header> header = get_header(reader, std::numeric_limits<uint64_t>::max());
   if (!header || !header->has(kOnGrid) || header->codec == GeometryCodec::raw) return 0;
   return std::ldexp(1.0F, header->position_exponent);
+}
+
+float fine_step_m(std::span<const std::byte> bytes) {
+  ByteReader reader(bytes);
+  const Result<Header> header = get_header(reader, std::numeric_limits<uint64_t>::max());
+  if (!header || header->fine_bits == 0 || header->codec == GeometryCodec::raw) return 0;
+  return std::ldexp(1.0F, header->position_exponent - header->fine_bits);
 }
 
 Result<Mesh> decode_mesh(std::span<const std::byte> bytes, uint64_t max_bytes) {

@@ -23,6 +23,9 @@ struct GeometryEncodeOptions {
   /// (through the model's origin), so that points that coincide stay together. nullopt: keep the floats as they are.
   std::optional<float> position_step_m;
   int zstd_level = 9;
+  /// Positions beside that grid are rounded to this finer one: at most 2^8 times as fine, a power of two. Those on the
+  /// grid itself cost next to nothing more. 0: none. Draco and meshes without a grid pass it over.
+  float fine_step_m = 0;
 };
 
 struct EncodedMesh {
@@ -47,6 +50,10 @@ Result<EncodedMesh> encode_mesh(const Mesh& mesh, const GeometryEncodeOptions& o
 
 /// The grid that a mesh was coded on, in metres; 0: none, or no mesh. Looks at the header only. Pure; any thread.
 float position_step_m(std::span<const std::byte> bytes);
+
+/// The finer grid that some of its positions may lie on, in metres; 0: none, or no mesh. Looks at the header only.
+/// Pure; any thread.
+float fine_step_m(std::span<const std::byte> bytes);
 
 /// Decodes what encode_mesh wrote. Safe on any bytes: a wrong or truncated input is an error, never a crash, and never
 /// allocates more than `max_bytes` (draco: a small multiple of it while decoding). A decoded mesh is sound (find_defect

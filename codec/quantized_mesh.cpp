@@ -40,20 +40,22 @@ std::pair<float, float> range_of(const std::vector<Vec>& values, int axis) {
   return {(*low)[axis], (*high)[axis]};
 }
 
-Status quantize_positions(const Mesh& mesh, int exponent, QuantizedMesh& out) {
+Status quantize_positions(const Mesh& mesh, int exponent, int fine_bits, QuantizedMesh& out) {
   out.on_grid = true;
   out.position_exponent = static_cast<int8_t>(exponent);
-  const double steps_a_metre = power_of_two(-exponent);
+  out.fine_bits = static_cast<uint8_t>(fine_bits);
+  const double steps_a_metre = power_of_two(fine_bits - exponent);
+  const int64_t most_steps = kMaxPositionSteps << fine_bits;
   for (int axis = 0; axis < 3 && !mesh.positions.empty(); ++axis) {
     const auto [low, high] = range_of(mesh.positions, axis);
     if (std::max(std::abs(double(low)), std::abs(double(high))) * steps_a_metre > kFarthestStep)
       return Error{fmt::format("mesh coordinate {} is too far out for a step of 2^{} m; choose a larger step",
                                std::abs(low) > std::abs(high) ? low : high, exponent)};
-    const int64_t base = steps_of(low, steps_a_metre);
+    const int64_t base = steps_of(low, steps_a_metre) >> fine_bits << fine_bits;  // on the grid itself
     const int64_t extent = steps_of(high, steps_a_metre) - base;
-    if (extent > kMaxPositionSteps)
+    if (extent > most_steps)
       return Error{fmt::format("mesh of {} m is {} steps of 2^{} m across, at most {} are coded; choose a larger step",
-                               double(high) - double(low), extent, exponent, kMaxPositionSteps)};
+                               double(high) - double(low), extent >> fine_bits, exponent, kMaxPositionSteps)};
     out.position_base[static_cast<size_t>(axis)] = base;
     for (size_t v = 0; v < mesh.positions.size(); ++v)
       out.positions[v][axis] = static_cast<uint32_t>(steps_of(mesh.positions[v][axis], steps_a_metre) - base);
@@ -134,12 +136,13 @@ void tidy(QuantizedMesh& mesh, const std::vector<uint32_t>& materials) {
   merge_vertices(mesh);
 }
 
-Result<QuantizedMesh> quantize(const Mesh& mesh, std::optional<float> position_step_m, int64_t max_texcoord_steps) {
+Result<QuantizedMesh> quantize(const Mesh& mesh, std::optional<float> position_step_m, int fine_bits,
+                               int64_t max_texcoord_steps) {
   QuantizedMesh out;
   out.has_materials = !mesh.materials.empty();
   out.positions.resize(mesh.positions.size());
   if (position_step_m) {
-    PROMENADE_TRY(quantize_positions(mesh, std::ilogb(*position_step_m), out));
+    PROMENADE_TRY(quantize_positions(mesh, std::ilogb(*position_step_m), fine_bits, out));
   } else {
     for (size_t v = 0; v < mesh.positions.size(); ++v)
       for (int axis = 0; axis < 3; ++axis)  // + 0 turns -0 into 0, so that equal places have equal bits
@@ -158,7 +161,8 @@ Result<QuantizedMesh> quantize(const Mesh& mesh, std::optional<float> position_s
 
 Mesh dequantize(const QuantizedMesh& mesh) {
   Mesh out;
-  const double step_m = power_of_two(mesh.position_exponent), texcoord_step = power_of_two(mesh.texcoord_exponent);
+  const double step_m = power_of_two(mesh.position_exponent - mesh.fine_bits),
+               texcoord_step = power_of_two(mesh.texcoord_exponent);
   out.positions.resize(mesh.positions.size());
   for (size_t v = 0; v < mesh.positions.size(); ++v)
     for (int axis = 0; axis < 3; ++axis) {

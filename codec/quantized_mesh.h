@@ -21,7 +21,8 @@ struct MaterialRun {
 struct QuantizedMesh {
   bool on_grid = false;          ///< positions are steps from the base; otherwise the bits of floats
   bool has_materials = false;    ///< false: Mesh::materials is empty
-  int8_t position_exponent = 0;  ///< a step is 2^exponent metres
+  int8_t position_exponent = 0;  ///< the grid's step is 2^exponent metres
+  uint8_t fine_bits = 0;         ///< positions and their base count steps 2^fine_bits times as fine
   int8_t texcoord_exponent = 0;  ///< a step is 2^exponent of the texture's side
   std::array<int64_t, 3> position_base{};
   std::array<int64_t, 2> texcoord_base{};
@@ -36,12 +37,17 @@ struct QuantizedMesh {
 /// Most steps that a grid position lies from the mesh's base: what Draco's predictors compute without overflow.
 constexpr int64_t kMaxPositionSteps = int64_t(1) << 21;
 
-/// position_step_m: a power of two in [2^-60, 2^60], or nullopt to keep the floats. max_texcoord_steps: texture
-/// coordinates are rounded to 2^-15, or coarser where the mesh's range would take more steps than that. Triangles are
-/// sorted by material; those with two corners at one place, vertices that no triangle uses and doubles of vertices are
-/// dropped. Errors: the mesh reaches farther than kMaxPositionSteps or so far from the origin that steps cannot be
-/// counted. Pure; any thread.
-Result<QuantizedMesh> quantize(const Mesh& mesh, std::optional<float> position_step_m, int64_t max_texcoord_steps);
+/// How much finer than the grid some positions may be: their rest fits a byte.
+constexpr int kMaxFineBits = 8;
+
+/// position_step_m: a power of two in [2^-60, 2^60], or nullopt to keep the floats. fine_bits: positions are rounded
+/// to steps that much finer, 0 to kMaxFineBits; what lies on the grid itself costs next to nothing. max_texcoord_steps:
+/// texture coordinates are rounded to 2^-15, or coarser where the mesh's range would take more steps than that.
+/// Triangles are sorted by material; those with two corners at one place, vertices that no triangle uses and doubles of
+/// vertices are dropped. Errors: the mesh reaches farther than kMaxPositionSteps or so far from the origin that steps
+/// cannot be counted. Pure; any thread.
+Result<QuantizedMesh> quantize(const Mesh& mesh, std::optional<float> position_step_m, int fine_bits,
+                               int64_t max_texcoord_steps);
 
 /// The inverse, to rounding. Sizes and indices must agree (a decoder checks them); values may be any.
 Mesh dequantize(const QuantizedMesh& mesh);

@@ -172,6 +172,46 @@ bool get_differences(ByteReader& reader, const std::vector<Guess>& guesses, cons
   return true;
 }
 
+/// The positions on the grid itself, rounded down.
+std::vector<glm::u32vec3> without_fine_bits(const QuantizedMesh& mesh) {
+  std::vector<glm::u32vec3> coarse = mesh.positions;
+  for (glm::u32vec3& p : coarse) p = p >> uint32_t(mesh.fine_bits);
+  return coarse;
+}
+
+/// For each vertex without a twin whether it lies beside the grid; then how far, of those that do, less that of the
+/// vertex that their guess begins with.
+void put_fine_bits(const QuantizedMesh& mesh, const std::vector<Guess>& guesses, const std::vector<uint32_t>& twins,
+                   ByteWriter& writer) {
+  const uint32_t mask = (1U << mesh.fine_bits) - 1;
+  const auto is_told = [&](size_t v) { return twins[v] == 0 && (mesh.positions[v] & mask) != glm::u32vec3(0); };
+  for (size_t v = 0; v < mesh.positions.size(); ++v)
+    if (twins[v] == 0) writer.put(uint8_t(is_told(v)));
+  for (int i = 0; i < 3; ++i)
+    for (size_t v = 0; v < mesh.positions.size(); ++v)
+      if (is_told(v))
+        writer.put(static_cast<uint8_t>((mesh.positions[v][i] - expected(mesh.positions, guesses[v], i)) & mask));
+}
+
+bool get_fine_bits(ByteReader& reader, const std::vector<Guess>& guesses, const std::vector<uint32_t>& twins,
+                   QuantizedMesh& mesh) {
+  const uint32_t mask = (1U << mesh.fine_bits) - 1;
+  std::vector<uint32_t> told;
+  for (uint32_t v = 0; v < mesh.positions.size(); ++v)
+    if (twins[v] == 0 && reader.get<uint8_t>() != 0) told.push_back(v);
+  if (!reader.ok() || told.size() > reader.remaining() / 3) return false;
+  for (glm::u32vec3& p : mesh.positions) p = p << uint32_t(mesh.fine_bits);
+  std::vector<uint8_t> is_told(mesh.positions.size(), 0);
+  for (const uint32_t v : told) is_told[v] = 1;
+  for (int i = 0; i < 3; ++i)
+    for (size_t v = 0; v < mesh.positions.size(); ++v)
+      if (twins[v] != 0)
+        mesh.positions[v][i] = mesh.positions[v - twins[v]][i];
+      else if (is_told[v] != 0)
+        mesh.positions[v][i] |= (reader.get<uint8_t>() + expected(mesh.positions, guesses[v], i)) & mask;
+  return reader.ok();
+}
+
 uint32_t bytes_of_codes(size_t colors) { return colors < 256 ? 1 : colors < 65536 ? 2 : 4; }
 
 /// Red above all, so that colours in order have small steps of red.
@@ -225,14 +265,16 @@ Status get_colors(ByteReader& reader, const std::vector<Guess>& guesses, std::ve
 
 void put_vertices(const QuantizedMesh& mesh, ByteWriter& writer) {
   const Result<std::vector<Guess>> guesses = guess_vertices(mesh.indices, mesh.positions.size());
-  const bool wide_positions = needs_32_bits(mesh.positions), wide_texcoords = needs_32_bits(mesh.texcoords);
+  const std::vector<glm::u32vec3> positions = without_fine_bits(mesh);
+  const bool wide_positions = needs_32_bits(positions), wide_texcoords = needs_32_bits(mesh.texcoords);
   writer.put(uint8_t(wide_positions));
   writer.put(uint8_t(wide_texcoords));
   const std::vector<Guess> single = without_parallelograms(*guesses);
   const std::vector<uint32_t> twins = find_twins(mesh.positions);
   put_planes(twins, 1, writer);
   // Bits of floats do not continue linearly.
-  put_differences(mesh.positions, mesh.on_grid ? *guesses : single, twins, wide_positions, writer);
+  put_differences(positions, mesh.on_grid ? *guesses : single, twins, wide_positions, writer);
+  if (mesh.fine_bits > 0) put_fine_bits(mesh, single, twins, writer);
   put_differences(mesh.normals, *guesses, {}, false, writer);
   put_differences(mesh.texcoords, *guesses, {}, wide_texcoords, writer);
   if (!mesh.colors.empty()) put_colors(mesh.colors, single, writer);
@@ -251,6 +293,7 @@ Status get_vertices(ByteReader& reader, size_t vertices, bool normals, bool texc
     if (twins[v] > v) return Error{fmt::format("mesh: vertex {} lies where one {} before it does", v, twins[v])};
   if (!get_differences(reader, mesh.on_grid ? *guesses : single, twins, wide_positions, mesh.positions))
     return short_streams;
+  if (mesh.fine_bits > 0 && !get_fine_bits(reader, single, twins, mesh)) return short_streams;
   if (normals && !get_differences(reader, *guesses, {}, false, mesh.normals)) return short_streams;
   if (texcoords && !get_differences(reader, *guesses, {}, wide_texcoords, mesh.texcoords)) return short_streams;
   if (colors) PROMENADE_TRY(get_colors(reader, single, mesh.colors));

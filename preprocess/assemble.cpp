@@ -292,7 +292,7 @@ class Assembler {
       return version == 0 ? material : versions_.at({*texture, version}).materials.at(material);
     };
     for (uint32_t& material : mesh->materials) material = renumbered(material);
-    Result<EncodedMesh> encoded = encode_mesh(*mesh, encode_options(codec_, from.step_m));
+    Result<EncodedMesh> encoded = encode_mesh(*mesh, encode_options(codec_, from.step_m, fine_step_m(bytes.mesh)));
     if (!encoded.ok())
       bytes.error = encoded.error();
     else

@@ -25,8 +25,8 @@ constexpr float kLeastTurnCosine = 0.2F;
 constexpr float kLeastHeight = 1e-3F;
 /// Of a metre that a border between colours or materials moves, to a metre that the surface does.
 constexpr float kSeamWeight = 0.5F;
-/// Of an edge along the cell's face: the neighbouring node ends there too.
-constexpr float kCellBorderWeight = 4;
+/// Of an edge of the node's border: the neighbouring node begins there.
+constexpr float kBorderWeight = 4;
 /// Of the distance to planes, which overestimates what round shapes lose.
 constexpr float kPlaneWeight = 0.5F;
 /// A metre of edge length: between collapses that cost nothing the shorter goes first, for rounder triangles.
@@ -42,11 +42,10 @@ uint32_t previous_corner_in(uint32_t corner) { return corner % 3 == 0 ? corner +
 
 }  // namespace
 
-Collapser::Collapser(WorkMesh& work, const Mesh& source, std::vector<uint8_t> cell_faces, float spacing_m)
+Collapser::Collapser(WorkMesh& work, const Mesh& source, BorderLines& borders, float spacing_m)
     : work_(work),
       source_(source),
-      cell_faces_(std::move(cell_faces)),
-      locked_(work.place_count(), 0),
+      borders_(borders),
       normals_(work.triangle_count()),
       points_(work.positions),
       next_point_(work.place_count(), kNone),
@@ -128,7 +127,7 @@ void Collapser::find_lines(uint32_t place) {
   lines_.clear();
   for (const Neighbour& n : ring_) {
     float weight = n.contrast * kSeamWeight;
-    if (n.triangles == 1) weight = (cell_faces_[place] & cell_faces_[n.place]) != 0 ? kCellBorderWeight : 1.0F;
+    if (n.triangles == 1) weight = borders_.is_edge(place, n.place) ? kBorderWeight : 1.0F;
     if (weight <= 0) continue;
     const glm::vec3 along = work_.positions[n.place] - work_.positions[place];
     const float length = glm::length(along);
@@ -167,11 +166,19 @@ void Collapser::estimate_ring(uint32_t place) {
     const Four estimate = _mm_sqrt_ps(distance2) + _mm_set1_ps(kLengthWeight) * _mm_sqrt_ps(length2);
     _mm_store_ps(estimates_[g].data(), estimate);
   }
+  if (!goes_along_border(place)) return;
+  const std::array<uint32_t, 2> ways = *borders_.ways(place);
+  for (size_t i = 0; i < ring_.size(); ++i)
+    if (ring_[i].place != ways[0] && ring_[i].place != ways[1]) estimates_[i / kLanes][i % kLanes] = kInfinity;
+}
+
+bool Collapser::goes_along_border(uint32_t place) const {
+  return border_rule_ != BorderRule::free && borders_.has(place) && borders_.ways(place).has_value();
 }
 
 /// Finds the ring, unless the place stays anyway.
 bool Collapser::may_go(uint32_t place) {
-  if (locked_[place] != 0) return false;
+  if (border_rule_ == BorderRule::stay && borders_.has(place)) return false;
   find_ring(place);
   return fan_.size() <= (flips_allowed_ ? kLargestFanAtLast : kLargestFan);
 }
@@ -207,13 +214,15 @@ Collapser::Choice Collapser::choose(uint32_t place, float limit_m) {
   });
   float least_unsound = kInfinity;
   for (const Choice& choice : choices_) {
-    if (best.target != kNone && choice.cost_m >= best.cost_m) break;
+    if (choice.cost_m == kInfinity || (best.target != kNone && choice.cost_m >= best.cost_m)) break;
     if (!is_sound(place, choice.target)) {
       least_unsound = std::min(least_unsound, choice.cost_m);
       continue;
     }
     const float limit = best.target == kNone ? limit_m : std::min(limit_m, best.cost_m);
-    const float cost = std::max(choice.cost_m, measure(place, choice.target, limit, moved_));
+    float cost = std::max(choice.cost_m, measure(place, choice.target, limit, moved_));
+    if (goes_along_border(place))
+      cost = std::max(cost, kBorderWeight * borders_.deviation_m(place, limit / kBorderWeight));
     if (best.target != kNone && cost >= best.cost_m) continue;
     best = {choice.target, cost, 0};
     best_moved_.swap(moved_);
@@ -384,6 +393,10 @@ void Collapser::collapse(uint32_t place, uint32_t target) {
       leads_.push_back({work_.attributes[c], work_.attributes[other]});
     }
   }
+  if (goes_along_border(place))
+    borders_.shorten(place);
+  else if (borders_.has(place))
+    borders_.leave(place);
   unlink_dead(target);
   twins_.clear();
   for (uint32_t c = work_.first_corner[place]; c != kNone;) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/triangle_kernels.h"
+#include "preprocess/border_lines.h"
 #include "preprocess/work_mesh.h"
 
 namespace promenade {
@@ -20,13 +21,15 @@ namespace promenade {
 /// errors never add up unseen, as they do in quadrics, and planes that are gone forbid nothing.
 class Collapser {
  public:
-  /// cell_faces: of each place, bits of the cell's faces that it lies on: edges along a face are held in it firmly.
+  /// borders: outlives the collapser, which changes it; what it passes by is held firmly.
   /// spacing_m: between points on open edges and creases, > 0: a ledge's ends may come to lie on other walls while its
   /// middle hangs in the air. Smaller: errors closer to the costs; slower.
-  Collapser(WorkMesh& work, const Mesh& source, std::vector<uint8_t> cell_faces, float spacing_m);
+  Collapser(WorkMesh& work, const Mesh& source, BorderLines& borders, float spacing_m);
 
-  /// Of each place: those never go, but others may go onto them.
-  void set_locked(std::vector<uint8_t> locked) { locked_ = std::move(locked); }
+  /// What places on borders may do: stay, though others may go onto them; go along the border, but for those at its
+  /// ends and where several meet; or go anywhere. What has gone elsewhere is no border any more.
+  enum class BorderRule : uint8_t { stay, along, free };
+  void set_border_rule(BorderRule rule) { border_rule_ = rule; }
   /// Whether triangles may turn over: for when nothing else is left.
   void allow_flips(bool allowed) { flips_allowed_ = allowed; }
 
@@ -83,6 +86,7 @@ class Collapser {
   void find_ring(uint32_t place);
   void find_lines(uint32_t place);
   bool may_go(uint32_t place);
+  bool goes_along_border(uint32_t place) const;
   void estimate_ring(uint32_t place);
   float least_estimate(uint32_t place);
   bool is_sound(uint32_t place, uint32_t target) const;
@@ -107,8 +111,8 @@ class Collapser {
   WorkMesh& work_;
   const Mesh& source_;
   const TriangleKernels& kernels_ = triangle_kernels();
-  std::vector<uint8_t> cell_faces_;
-  std::vector<uint8_t> locked_;
+  BorderLines& borders_;
+  BorderRule border_rule_ = BorderRule::along;
   std::vector<glm::vec3> normals_;  // of each triangle; 0 where it has none
   std::vector<glm::vec3> points_;
   std::vector<uint32_t> next_point_;

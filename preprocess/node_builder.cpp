@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 
 #include "codec/image_codec.h"
+#include "codec/quantized_mesh.h"
 #include "preprocess/bake.h"
+#include "preprocess/fins.h"
 #include "preprocess/node_mesh.h"
 #include "preprocess/simplify.h"
 
@@ -43,11 +46,30 @@ double rounding_m(const Mesh& mesh) {
   return farthest * std::sqrt(3.0) * std::exp2(-24);
 }
 
-/// The cell with its open sides moved to where they are certainly outside of the mesh.
-Box bounded(const Box& cell, const Mesh& mesh) {
-  const Box box = bounds(mesh);
-  const Box around = box.grown(box.diagonal());
-  return {glm::max(cell.min, around.min), glm::min(cell.max, around.max)};
+/// The triangles that are of other materials; positions and triangles only.
+Mesh without_materials(const Mesh& mesh, const std::function<bool(uint32_t)>& left_out) {
+  Mesh out;
+  out.positions = mesh.positions;
+  out.indices.reserve(mesh.indices.size());
+  for (size_t t = 0; t < mesh.triangle_count(); ++t)
+    if (!left_out(mesh.material_of(t)))
+      for (size_t c = 0; c < 3; ++c) out.indices.push_back(mesh.indices[3 * t + c]);
+  return out;
+}
+
+/// Some vertices on a finer grid than the others.
+Mesh rounded_apart(const Mesh& mesh, const std::vector<uint8_t>& is_fine, float step_m, float fine_step_m) {
+  Mesh rounded = mesh;
+  for (size_t v = 0; v < mesh.vertex_count(); ++v)
+    rounded.positions[v] = snapped(mesh.positions[v], is_fine[v] != 0 ? fine_step_m : step_m);
+  return rounded;
+}
+
+double largest_distance_m(const Mesh& a, const Mesh& b) {
+  double largest = 0;
+  for (size_t v = 0; v < a.vertex_count(); ++v)
+    largest = std::max(largest, glm::length(glm::dvec3(a.positions[v]) - glm::dvec3(b.positions[v])));
+  return largest;
 }
 
 }  // namespace
@@ -65,10 +87,11 @@ uint32_t MaterialBase::plain(bool two_sided, bool see_through) const {
   return size() - kPlain + (two_sided ? 1U : 0U) + (see_through ? 2U : 0U);
 }
 
-GeometryEncodeOptions encode_options(GeometryCodec codec, float step_m) {
+GeometryEncodeOptions encode_options(GeometryCodec codec, float step_m, float fine_step_m) {
   GeometryEncodeOptions options;
   options.codec = step_m > 0 ? codec : GeometryCodec::raw;
   if (options.codec != GeometryCodec::raw) options.position_step_m = step_m;
+  options.fine_step_m = fine_step_m;
   return options;
 }
 
@@ -77,6 +100,7 @@ struct NodeBuilder::Merged {
   Mesh mesh;
   std::vector<Material> materials;                    ///< the base, then all children's atlas materials
   std::vector<std::shared_ptr<const Image>> atlases;  ///< kLocalTexture | index
+  Border border;
   bool textured = false;
 };
 
@@ -89,20 +113,21 @@ bool NodeBuilder::is_two_sided(uint32_t material, std::span<const Material> atla
                                  : atlas_materials[material - base_.size()].two_sided;
 }
 
-Result<BuiltNode> NodeBuilder::leaf(Mesh mesh) const {
+Result<BuiltNode> NodeBuilder::leaf(Mesh mesh, Border border) const {
   const auto textured = [this](uint32_t m) { return is_textured(m); };
   drop_idle_attributes(mesh, textured);
   BuiltNode node;
   NodeSurface& surface = node.surface;
   surface.error_m = surface.p99_m = rounding_m(mesh);
   add_leaf_textures(mesh, node);
-  PROMENADE_TRY(store(mesh, double(options_.leaf_step_m), {}, node));
+  PROMENADE_TRY(store({mesh, {}, false}, double(options_.leaf_step_m), {}, node));
   fold_colors(mesh, base_.materials, [this](uint32_t m) {
     const Material& material = base_.materials[m];
     return material.texture != kNoTexture ? m : base_.plain(material.two_sided, material.alpha == AlphaMode::blend);
   });
   drop_idle_attributes(mesh, textured);
   surface.mesh = std::move(mesh);
+  surface.border = std::move(border);
   return node;
 }
 
@@ -130,7 +155,10 @@ void NodeBuilder::add_leaf_textures(const Mesh& mesh, BuiltNode& node) const {
 NodeBuilder::Merged NodeBuilder::merge(std::span<const NodeSurface> children) const {
   Merged merged;
   merged.materials = base_.materials;
+  std::vector<const Border*> borders;
+  std::vector<uint32_t> first_triangle;
   for (const NodeSurface& child : children) {
+    borders.push_back(&child.border), first_triangle.push_back(static_cast<uint32_t>(merged.mesh.triangle_count()));
     const auto offset = static_cast<uint32_t>(merged.materials.size()) - base_.size();
     Mesh mesh = child.mesh;
     for (uint32_t& material : mesh.materials) {
@@ -144,6 +172,7 @@ NodeBuilder::Merged NodeBuilder::merge(std::span<const NodeSurface> children) co
     }
     if (child.atlas) merged.atlases.push_back(child.atlas);
   }
+  merged.border = join_borders(merged.mesh, borders, first_triangle);
   return merged;
 }
 
@@ -167,7 +196,7 @@ Reference NodeBuilder::reference_of(std::span<const NodeSurface> children) const
   return reference;
 }
 
-Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, const Box& cell) const {
+Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children) const {
   BuiltNode node;
   NodeSurface& surface = node.surface;
   for (const NodeSurface& child : children) {
@@ -185,31 +214,64 @@ Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children, cons
         material < base_.size() && !is_textured(material) && base_.materials[material].alpha == AlphaMode::blend;
     material = base_.plain(merged.materials[material].two_sided, see_through);
   }
-  float sheet_height_m = 0;
-  if (bare.triangle_count() > options_.node_triangles) {
-    SimplifyOptions simplify_options;
-    simplify_options.target_triangles = options_.node_triangles;
-    simplify_options.cell = bounded(cell, bare);
-    surface.mesh = simplify(bare, simplify_options, &sheet_height_m);
-    if (surface.mesh.indices.empty())
-      return Error{"simplification left no triangle: please report this with the source"};
-    const Reference& reference = surface.reference;
-    const double tolerance_m =
-        std::max(kToleranceOfError * reference.error_m, kToleranceOfSize * double(bounds(bare).diagonal()));
-    const SurfaceDistance distance = surface_distance(reference.mesh, surface.mesh, kSlack, tolerance_m);
-    surface.error_m = reference.error_m + double(distance.bound_m);
-    surface.p99_m = reference.p99_m + double(distance.p99_m);
-  } else {
-    surface.mesh = std::move(bare);
-  }
+  const Shape shape = reduce(std::move(bare), merged.border, surface);
+  if (surface.mesh.indices.empty()) return Error{"simplification left no triangle: please report this with the source"};
   if (merged.textured) PROMENADE_TRY(bake(merged, node));
-  const double error_m = surface.error_m + surface.texture_error_m;
-  double step_m = error_m > 0 ? power_of_two_below(error_m * kStepShare) : 0;
-  if (sheet_height_m > 0) step_m = std::min(step_m, double(sheet_height_m));
-  Mesh shown = surface.mesh;  // its parent begins with the exact colours
-  round_colors(shown);
-  PROMENADE_TRY(store(shown, std::max(step_m, double(options_.leaf_step_m)), children, node));
+  const double step_m = std::min(step_of(surface.error_m + surface.texture_error_m), shape.most_step_m);
+  Shown shown{surface.mesh, {}, shape.has_fins};  // its parent begins with the exact colours
+  round_colors(shown.mesh);
+  shown.is_exact =
+      add_fins(shown.mesh, surface.border,
+               fin_options([&](uint32_t material) { return fin_material(material, node.stored.atlas_materials); }));
+  PROMENADE_TRY(store(shown, step_m, children, node));
   return node;
+}
+
+FinOptions NodeBuilder::fin_options(std::function<uint32_t(uint32_t material)> fin_material) const {
+  return {options_.leaf_step_m, std::move(fin_material)};
+}
+
+double NodeBuilder::step_of(double error_m) const {
+  const double step_m = error_m > 0 ? power_of_two_below(error_m * kStepShare) : 0;
+  return std::max(step_m, double(options_.leaf_step_m));
+}
+
+/// Gives the surface its mesh and border and, fins included, its error.
+NodeBuilder::Shape NodeBuilder::reduce(Mesh bare, Border border, NodeSurface& surface) const {
+  Shape shape;
+  SimplifyOptions options;
+  options.target_triangles = options_.node_triangles;
+  SimplifyFigures figures;
+  const float diagonal_m = bounds(bare).diagonal();
+  const bool is_reduced = bare.triangle_count() > options.target_triangles;
+  surface.mesh = is_reduced ? simplify(bare, options, border, &figures) : std::move(bare);
+  surface.border = std::move(border);
+  if (surface.mesh.indices.empty()) return shape;
+  const Reference& reference = surface.reference;
+  shape.most_step_m = figures.sheet_height_m > 0
+                          ? std::max(double(figures.sheet_height_m), double(options_.leaf_step_m))
+                          : std::numeric_limits<double>::infinity();
+  Mesh measured;
+  measured.positions = surface.mesh.positions, measured.indices = surface.mesh.indices;
+  add_fins(measured, surface.border, fin_options({}));
+  shape.has_fins = measured.indices.size() > surface.mesh.indices.size();
+  if (!is_reduced && !shape.has_fins) return shape;
+  const double tolerance_m = std::max(kToleranceOfError * reference.error_m, kToleranceOfSize * double(diagonal_m));
+  const SurfaceDistance distance = surface_distance(reference.mesh, measured, kSlack, tolerance_m);
+  surface.error_m = reference.error_m + double(distance.bound_m);
+  surface.p99_m = reference.p99_m + double(distance.p99_m);
+  return shape;
+}
+
+/// The same, seen from both sides.
+uint32_t NodeBuilder::fin_material(uint32_t material, std::vector<Material>& atlas_materials) const {
+  if (is_two_sided(material, atlas_materials)) return material;
+  if (material < base_.size()) return base_.plain(true, base_.materials[material].alpha == AlphaMode::blend);
+  Material wanted = atlas_materials[material - base_.size()];
+  wanted.two_sided = true;
+  auto place = std::find(atlas_materials.begin(), atlas_materials.end(), wanted);
+  if (place == atlas_materials.end()) place = atlas_materials.insert(place, wanted);
+  return base_.size() + static_cast<uint32_t>(place - atlas_materials.begin());
 }
 
 /// Gives the node an atlas of its own.
@@ -267,7 +329,15 @@ Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
   return Done{};
 }
 
-Status NodeBuilder::encode(const Mesh& mesh, double step_m, StoredNode& stored, float& error_m) const {
+/// The leaves' grid, or one as much finer than the node's as can be coded.
+float NodeBuilder::fine_step_of(double step_m) const {
+  return std::max(options_.leaf_step_m, static_cast<float>(std::ldexp(step_m, -kMaxFineBits)));
+}
+
+/// Places where other nodes begin lie on a finer grid: these meet them there, whatever their own error is.
+Status NodeBuilder::encode(const Shown& shown, double step_m, StoredNode& stored, double& error_m) const {
+  const Mesh& mesh = shown.mesh;
+  const bool has_exact = options_.codec == GeometryCodec::meshopt && !shown.is_exact.empty();
   bool loses = options_.codec != GeometryCodec::raw && loses_surface_on_grid(mesh, static_cast<float>(step_m));
   for (int i = 0; i < kMostHalvings && loses; ++i) {
     step_m /= 2;
@@ -276,16 +346,18 @@ Status NodeBuilder::encode(const Mesh& mesh, double step_m, StoredNode& stored, 
   std::string why;
   for (int i = 0; i < kMostSteps; ++i, step_m *= 2) {
     stored.step_m = static_cast<float>(step_m);
-    Result<EncodedMesh> encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
+    const float fine_step_m = has_exact ? fine_step_of(step_m) : 0;
+    const Mesh rounded = has_exact ? rounded_apart(mesh, shown.is_exact, stored.step_m, fine_step_m) : mesh;
+    Result<EncodedMesh> encoded = encode_mesh(rounded, encode_options(options_.codec, stored.step_m, fine_step_m));
     // Smaller or thinner than any grid, and yet a node needs a box and its bound holds.
     if (i > 0 && options_.codec != GeometryCodec::raw) loses = loses_surface_on_grid(mesh, stored.step_m);
     if (encoded.ok() && options_.codec != GeometryCodec::raw && (encoded->triangles == 0 || loses)) {
       stored.step_m = 0;
-      encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m));
+      encoded = encode_mesh(mesh, encode_options(options_.codec, stored.step_m, 0));
     }
     if (encoded.ok()) {
       stored.mesh = std::move(encoded->bytes);
-      error_m = encoded->position_error_m;
+      error_m = double(encoded->position_error_m) + (stored.step_m > 0 ? largest_distance_m(mesh, rounded) : 0);
       return Done{};
     }
     why = encoded.error().message;
@@ -294,26 +366,28 @@ Status NodeBuilder::encode(const Mesh& mesh, double step_m, StoredNode& stored, 
 }
 
 /// Codes the mesh and records what a reader will see of it, the children's extents included.
-Status NodeBuilder::store(const Mesh& mesh, double step_m, std::span<const NodeSurface> children,
+Status NodeBuilder::store(const Shown& shown, double step_m, std::span<const NodeSurface> children,
                           BuiltNode& node) const {
-  float coding_error_m = 0;
-  PROMENADE_TRY(encode(mesh, step_m, node.stored, coding_error_m));
+  double coding_error_m = 0;
+  PROMENADE_TRY(encode(shown, step_m, node.stored, coding_error_m));
   const Result<Mesh> decoded = decode_mesh(node.stored.mesh);
   if (!decoded.ok()) return Error{fmt::format("a node's mesh cannot be read back: {}", decoded.error().message)};
   NodeRecord& record = node.stored.record;
   NodeSurface& surface = node.surface;
   record.box = bounds(*decoded);
-  record.cone = normal_cone(*decoded);
-  for (const uint32_t m : materials_of(*decoded))
-    if (is_two_sided(m, node.stored.atlas_materials)) record.cone.cos_angle = -1;
+  // Fins do not count: where the surface shows its back, what is beside it does so too, or stands before it.
+  const auto two_sided = [&](uint32_t m) { return is_two_sided(m, node.stored.atlas_materials); };
+  const std::vector<uint32_t> materials = materials_of(shown.has_fins ? surface.mesh : *decoded);
+  record.cone = normal_cone(shown.has_fins ? without_materials(*decoded, two_sided) : *decoded);
+  if (std::any_of(materials.begin(), materials.end(), two_sided)) record.cone.cos_angle = -1;
   record.average_normal = average_normal(*decoded);
   record.surface_m2 = static_cast<float>(surface_area_m2(*decoded));
   record.triangles = static_cast<uint32_t>(decoded->triangle_count());
   record.vertices = static_cast<uint32_t>(decoded->vertex_count());
   for (size_t t = 0; t < decoded->triangle_count(); ++t)
     record.textured_triangles += is_textured(decoded->material_of(t)) ? 1U : 0U;
-  record.error_m = rounded_up(surface.error_m + surface.texture_error_m + double(coding_error_m));
-  record.error_p99_m = rounded_up(surface.p99_m + surface.texture_error_m + double(coding_error_m));
+  record.error_m = rounded_up(surface.error_m + surface.texture_error_m + coding_error_m);
+  record.error_p99_m = rounded_up(surface.p99_m + surface.texture_error_m + coding_error_m);
   for (const NodeSurface& child : children) {
     record.box.add(child.box);
     record.cone = merged(record.cone, child.cone);

@@ -1,13 +1,16 @@
 #pragma once
 // One node of the HLOD tree made from a leaf's triangles or from its children, with its measured error.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "layout/model.h"
+#include "preprocess/border.h"
 #include "preprocess/class_runs.h"
+#include "preprocess/fins.h"
 #include "preprocess/texture_store.h"
 
 namespace promenade {
@@ -48,7 +51,8 @@ struct NodeSurface {
   Mesh mesh;                              ///< before coding; untextured triangles have plain materials
   std::vector<Material> atlas_materials;  ///< as in StoredNode
   std::shared_ptr<const Image> atlas;
-  double error_m = 0, p99_m = 0;               ///< of `mesh`, without coding
+  Border border;                               ///< of `mesh`: where other nodes' surfaces begin
+  double error_m = 0, p99_m = 0;               ///< of what is stored, without coding
   Reference reference;                         ///< more detailed than `mesh`: what that was measured against; or empty
   double texture_error_m = 0;                  ///< how far a colour may be from its place
   float texel_m = 0;                           ///< of the finest picture on it; 0: none
@@ -65,8 +69,8 @@ struct NodeBuilderOptions {
   uint32_t max_atlas_px = 512;  ///< a node is drawn when its error is about a pixel: rarely larger on the screen
 };
 
-/// How a node's mesh is coded. step_m 0: as floats, whatever the codec.
-GeometryEncodeOptions encode_options(GeometryCodec codec, float step_m);
+/// How a node's mesh is coded. step_m 0: as floats, whatever the codec. fine_step_m: as in GeometryEncodeOptions.
+GeometryEncodeOptions encode_options(GeometryCodec codec, float step_m, float fine_step_m);
 
 struct BuiltNode {
   StoredNode stored;
@@ -80,19 +84,35 @@ class NodeBuilder {
   NodeBuilder(const MaterialBase& base, const TextureStore& textures, const NodeBuilderOptions& options)
       : base_(base), textures_(textures), options_(options) {}
 
-  /// A leaf shows the source's triangles as they are, rounded to the leaves' grid.
-  Result<BuiltNode> leaf(Mesh mesh) const;
+  /// A leaf shows the source's triangles as they are, rounded to the leaves' grid. border: where other leaves begin.
+  Result<BuiltNode> leaf(Mesh mesh, Border border = {}) const;
   /// A node above others: their surfaces together, simplified, measured against the most detailed surface below that is
-  /// small enough; its error and the distance add up. cell: between the planes of the partition.
-  Result<BuiltNode> inner(std::span<const NodeSurface> children, const Box& cell) const;
+  /// small enough; its error and the distance add up. What is stored has fins (fins.h) where other nodes begin.
+  Result<BuiltNode> inner(std::span<const NodeSurface> children) const;
 
  private:
   struct Merged;
   Merged merge(std::span<const NodeSurface> children) const;
   Reference reference_of(std::span<const NodeSurface> children) const;
+  /// What comes of a node's surface besides the surface.
+  struct Shape {
+    bool has_fins = false;   ///< to be stored
+    double most_step_m = 0;  ///< of the grid
+  };
+  Shape reduce(Mesh bare, Border border, NodeSurface& surface) const;
+  double step_of(double error_m) const;
+  FinOptions fin_options(std::function<uint32_t(uint32_t material)> fin_material) const;
+  uint32_t fin_material(uint32_t material, std::vector<Material>& atlas_materials) const;
   Status bake(const Merged& merged, BuiltNode& node) const;
-  Status store(const Mesh& mesh, double step_m, std::span<const NodeSurface> children, BuiltNode& node) const;
-  Status encode(const Mesh& mesh, double step_m, StoredNode& stored, float& error_m) const;
+  /// What is stored of a surface.
+  struct Shown {
+    Mesh mesh;
+    std::vector<uint8_t> is_exact;  ///< of each vertex, as add_fins returns it; empty: none
+    bool has_fins = false;
+  };
+  float fine_step_of(double step_m) const;
+  Status store(const Shown& shown, double step_m, std::span<const NodeSurface> children, BuiltNode& node) const;
+  Status encode(const Shown& shown, double step_m, StoredNode& stored, double& error_m) const;
   void add_leaf_textures(const Mesh& mesh, BuiltNode& node) const;
   bool is_textured(uint32_t material) const;
   bool is_two_sided(uint32_t material, std::span<const Material> atlas_materials) const;

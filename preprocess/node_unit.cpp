@@ -84,6 +84,7 @@ std::vector<std::byte> surface_bytes(const NodeSurface& s) {
   UnitWriter writer;
   writer.mesh(s.mesh);
   write(writer, s.atlas_materials);
+  writer.array(s.border.edges), writer.array(s.border.passed);
   writer.mesh(s.reference.mesh), writer.value(s.reference.error_m), writer.value(s.reference.p99_m);
   writer.value(s.error_m), writer.value(s.p99_m), writer.value(s.texture_error_m), writer.value(s.texel_m);
   write(writer, s.box), write(writer, s.cone);
@@ -94,6 +95,7 @@ NodeSurface read_surface(UnitReader& reader) {
   NodeSurface s;
   s.mesh = reader.mesh();
   s.atlas_materials = read_materials(reader);
+  s.border.edges = reader.array<BorderEdge>(), s.border.passed = reader.array<glm::vec3>();
   s.reference.mesh = reader.mesh();
   s.reference.error_m = reader.value<double>(), s.reference.p99_m = reader.value<double>();
   s.error_m = reader.value<double>(), s.p99_m = reader.value<double>(), s.texture_error_m = reader.value<double>();

@@ -15,10 +15,8 @@ namespace promenade {
 
 namespace {
 
-/// A place this close to a face of the cell, in shares of the cell's diagonal, lies on it: cutting rounds.
-constexpr float kOnFaceShare = 1e-6F;
-/// Locked border places leave room while they are at most this share of the target: a patch has twice as many triangles
-/// as places.
+/// Borders stay as they are while they have at most this share of the target's edges: a patch has twice as many
+/// triangles as places.
 constexpr double kMostLockedShare = 0.25;
 
 /// Measured costs may exceed the cheapest in the queue by this factor before something else is tried first. Measured on
@@ -49,32 +47,17 @@ float point_spacing_m(const WorkMesh& work, uint32_t target) {
   return std::max(spacing_m, std::numeric_limits<float>::min());
 }
 
-/// Bits of the cell's faces that each place lies on.
-std::vector<uint8_t> find_cell_faces(const WorkMesh& work, const Box& cell) {
-  std::vector<uint8_t> faces(work.place_count(), 0);
-  if (cell.empty()) return faces;
-  const float near = kOnFaceShare * cell.diagonal();
-  for (size_t p = 0; p < faces.size(); ++p)
-    for (int axis = 0; axis < 3; ++axis) {
-      const float at = work.model_positions[p][axis];
-      if (std::abs(at - cell.min[axis]) <= near) faces[p] |= static_cast<uint8_t>(1U << unsigned(axis));
-      if (std::abs(at - cell.max[axis]) <= near) faces[p] |= static_cast<uint8_t>(8U << unsigned(axis));
-    }
-  return faces;
-}
-
 /// Collapses and removals of parts in one queue, cheapest first: items are places, then parts.
 class Simplifier {
  public:
-  Simplifier(WorkMesh& work, const Mesh& source, const SimplifyOptions& options)
+  Simplifier(WorkMesh& work, const Mesh& source, const SimplifyOptions& options, const Border& border)
       : work_(work),
         source_(source),
-        own_places_(static_cast<uint32_t>(work.place_count())),
+        borders_(work, border),
         patches_(add_patches(work, source)),
-        cell_faces_(find_cell_faces(work, options.cell)),
         parts_(work),
         target_(std::max(options.target_triangles, 1U)),
-        collapser_(work, source, cell_faces_, point_spacing_m(work, target_)),
+        collapser_(work, source, borders_, point_spacing_m(work, target_)),
         queue_(static_cast<uint32_t>(work.place_count() + parts_.count() + patches_.size())),
         alive_in_part_(parts_.count()),
         paint_m_(parts_.count(), -1.0F),
@@ -82,26 +65,29 @@ class Simplifier {
     for (uint32_t part = 0; part < parts_.count(); ++part)
       if (work.alive[parts_.triangles(part).front()] != 0)
         alive_in_part_[part] = static_cast<uint32_t>(parts_.triangles(part).size());
-    if (options.lock_borders) collapser_.set_locked(border_locks());
+    if (double(borders_.edge_count()) <= kMostLockedShare * target_) collapser_.set_border_rule(Rule::stay);
   }
 
-  /// Returns how far sheets have been raised above what they lie on, 0 if none was.
-  float run() {
+  SimplifyFigures run() {
     reduce();
-    return raise();
+    return {raise(), reached_m_};
   }
+  Border border() const { return borders_.border(work_); }
 
  private:
+  using Rule = Collapser::BorderRule;
+
   void reduce() {
     queue_parts();
     for (uint32_t i = 0; i < patches_.size(); ++i) queue_.set(places() + parts_.count() + i, 0);
     queue_places();
     drain();
     if (work_.alive_count <= target_) return;
-    collapser_.set_locked(std::vector<uint8_t>(work_.place_count(), 0));
+    collapser_.set_border_rule(Rule::along);
     queue_places();
     drain();
     if (work_.alive_count <= target_) return;
+    collapser_.set_border_rule(Rule::free);
     collapser_.allow_flips(true);
     queue_places();
     drain();
@@ -110,15 +96,6 @@ class Simplifier {
 
   uint32_t places() const { return static_cast<uint32_t>(work_.place_count()); }
 
-  /// None when they would leave no room.
-  std::vector<uint8_t> border_locks() const {
-    std::vector<uint8_t> locked(work_.place_count(), 0);
-    size_t count = 0;
-    for (size_t p = 0; p < own_places_; ++p) count += locked[p] = cell_faces_[p] != 0 ? 1 : 0;
-    if (double(count) > kMostLockedShare * target_) std::fill(locked.begin(), locked.end(), uint8_t(0));
-    return locked;
-  }
-
   void queue_parts() {
     if (parts_.count() < 2) return;
     for (uint32_t part = 0; part < parts_.count(); ++part)
@@ -126,6 +103,7 @@ class Simplifier {
   }
 
   void queue_places() {
+    std::fill(firm_m_.begin(), firm_m_.end(), 0.0F);  // what was certain under other rules
     for (uint32_t p = 0; p < places(); ++p) queue_.set(p, collapser_.estimate(p));
   }
 
@@ -313,9 +291,8 @@ class Simplifier {
 
   WorkMesh& work_;
   const Mesh& source_;
-  uint32_t own_places_;  // but for the patches' copies
+  BorderLines borders_;
   std::vector<Patch> patches_;
-  std::vector<uint8_t> cell_faces_;
   Parts parts_;
   uint32_t target_;
   Collapser collapser_;
@@ -333,15 +310,24 @@ class Simplifier {
 
 }  // namespace
 
-Mesh simplify(const Mesh& mesh, const SimplifyOptions& options, float* sheet_height_m) {
-  if (sheet_height_m != nullptr) *sheet_height_m = 0;
+Mesh simplify(const Mesh& mesh, const SimplifyOptions& options, Border& border, SimplifyFigures* figures) {
+  if (figures != nullptr) *figures = {};
   if (mesh.triangle_count() <= options.target_triangles) return mesh;
   WorkMesh work = make_work_mesh(mesh);
   if (work.alive_count > options.target_triangles) {
-    const float height_m = Simplifier(work, mesh, options).run();
-    if (sheet_height_m != nullptr) *sheet_height_m = height_m;
+    Simplifier simplifier(work, mesh, options, border);
+    const SimplifyFigures reached = simplifier.run();
+    if (figures != nullptr) *figures = reached;
+    border = simplifier.border();
+  } else {
+    border = BorderLines(work, border).border(work);
   }
   return finish(work, mesh);
+}
+
+Mesh simplify(const Mesh& mesh, const SimplifyOptions& options, SimplifyFigures* figures) {
+  Border none;
+  return simplify(mesh, options, none, figures);
 }
 
 }  // namespace promenade

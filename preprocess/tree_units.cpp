@@ -85,7 +85,9 @@ class ChunkWork {
         split_(split_chunk(mesh_, cell, options.node_triangles, options.level_factor, cut_step_m)),
         nodes_(split_.nodes.size()),
         builder_(builder),
-        progress_(progress) {}
+        progress_(progress) {
+    find_borders_of_leaves(cell, cut_step_m);
+  }
 
   Result<NodeUnit> run(const WorkFolder& folder, const std::string& name, uint64_t hash) {
     Result<NodeSurface> root = build(0);
@@ -97,10 +99,24 @@ class ChunkWork {
   }
 
  private:
+  void find_borders_of_leaves(const Box& cell, float cut_step_m) {
+    std::vector<size_t> leaves;
+    std::vector<std::span<const uint32_t>> triangles;
+    for (size_t i = 0; i < split_.nodes.size(); ++i) {
+      if (!split_.nodes[i].children.empty()) continue;
+      leaves.push_back(i), triangles.emplace_back(split_.nodes[i].triangles);
+    }
+    std::vector<Border> borders = find_borders(mesh_, triangles, cell, cut_step_m);
+    borders_.resize(split_.nodes.size());
+    for (size_t i = 0; i < leaves.size(); ++i) borders_[leaves[i]] = std::move(borders[i]);
+  }
+
   Result<NodeSurface> build(uint32_t index) {
     if (progress_.stopped()) return Error{kInterrupted};
     const SplitTree::Node& node = split_.nodes[index];
-    Result<BuiltNode> built = node.children.empty() ? builder_.leaf(piece_of(mesh_, node.triangles)) : inner(node);
+    Result<BuiltNode> built = node.children.empty()
+                                  ? builder_.leaf(piece_of(mesh_, node.triangles), std::move(borders_[index]))
+                                  : inner(node);
     if (!built.ok()) return built.error();
     if (node.children.empty()) progress_.add(node.triangles.size());
     if (node.children.empty()) built->stored.classes = classes_.of(mesh_, node.triangles);
@@ -112,12 +128,13 @@ class ChunkWork {
     const Result<std::vector<NodeSurface>> children =
         build_children(node.children.size(), [&](size_t i) { return build(node.children[i]); });
     if (!children.ok()) return children.error();
-    return builder_.inner(*children, node.cell);
+    return builder_.inner(*children);
   }
 
   Mesh mesh_;
   ClassAreas classes_;
   SplitTree split_;
+  std::vector<Border> borders_;  ///< of leaves, by node
   std::vector<StoredNode> nodes_;
   const NodeBuilder& builder_;
   Progress& progress_;
@@ -148,12 +165,12 @@ class TopWork {
       return NodeUnit::kOtherUnit | chunk;
     }
     const auto index = static_cast<uint32_t>(children_.size());
-    children_.emplace_back(), cells_.push_back(tree_.branches[ref].cell);
+    children_.emplace_back();
     std::vector<uint32_t> children;
     for (const uint32_t child : tree_.branches[ref].children)
       if (const std::optional<uint32_t> planned = plan(child)) children.push_back(*planned);
     if (children.size() < 2 && index != 0 && index + 1 == children_.size()) {
-      children_.pop_back(), cells_.pop_back();
+      children_.pop_back();
       return children.empty() ? std::nullopt : std::optional(children.front());
     }
     children_[index] = std::move(children);
@@ -166,7 +183,7 @@ class TopWork {
     const Result<std::vector<NodeSurface>> children =
         build_children(children_[ref].size(), [&](size_t i) { return build(children_[ref][i]); });
     if (!children.ok()) return children.error();
-    Result<BuiltNode> built = builder_.inner(*children, cells_[ref]);
+    Result<BuiltNode> built = builder_.inner(*children);
     if (!built.ok()) return built.error();
     nodes_[ref] = std::move(built->stored);
     return std::move(built->surface);
@@ -178,7 +195,6 @@ class TopWork {
   const WorkFolder& folder_;
   Progress& progress_;
   std::vector<std::vector<uint32_t>> children_;
-  std::vector<Box> cells_;
   std::vector<StoredNode> nodes_;
 };
 

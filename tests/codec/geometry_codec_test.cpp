@@ -104,6 +104,42 @@ TEST(GeometryCodec, keeps_every_colour_of_few_and_of_many) {
   }
 }
 
+/// Every third vertex on a grid 16 times as fine as the others'.
+Mesh on_two_grids(Mesh mesh, float step_m) {
+  for (size_t v = 0; v < mesh.vertex_count(); ++v)
+    mesh.positions[v] = snapped(mesh.positions[v], v % 3 == 0 ? step_m / 16 : step_m);
+  return mesh;
+}
+
+TEST(GeometryCodec, keeps_what_lies_on_a_finer_grid) {
+  constexpr float kStepM = 0.0625F;
+  for (const auto& [name, mesh] : mesh_fixtures()) {
+    const Mesh apart = on_two_grids(mesh, kStepM);
+    const Result<EncodedMesh> out = encode_mesh(apart, {GeometryCodec::meshopt, kStepM, 9, kStepM / 16});
+    ASSERT_TRUE(out) << name << ": " << out.error().message;
+    EXPECT_EQ(out->position_error_m, 0);
+    EXPECT_EQ(position_step_m(out->bytes), kStepM);
+    EXPECT_EQ(fine_step_m(out->bytes), kStepM / 16);
+    const Result<Mesh> back = decode_mesh(out->bytes);
+    ASSERT_TRUE(back) << name << ": " << back.error().message;
+    EXPECT_EQ(triangles_of(*back), triangles_of(rounded(apart, kStepM / 16))) << name;
+    for (size_t n = 0; n < out->bytes.size(); n += out->bytes.size() / 50 + 1)
+      EXPECT_FALSE(decode_mesh(std::span(out->bytes).first(n))) << name << " " << n;
+  }
+  EXPECT_EQ(fine_step_m(encoded(hills(4), GeometryCodec::meshopt, kStepM).bytes), 0);
+}
+
+TEST(GeometryCodec, a_finer_grid_is_at_most_256_times_as_fine_and_of_meshopt_alone) {
+  const Mesh mesh = hills(24);
+  const Result<EncodedMesh> finest = encode_mesh(mesh, {GeometryCodec::meshopt, 1.0F, 9, 1.0F / 4096});
+  ASSERT_TRUE(finest);
+  EXPECT_EQ(fine_step_m(finest->bytes), 1.0F / 256);
+  EXPECT_LT(finest->position_error_m, 1.0F / 256);
+  EXPECT_EQ(triangles_of(*decode_mesh(finest->bytes)), triangles_of(rounded(mesh, 1.0F / 256)));
+  for (const GeometryCodec codec : {GeometryCodec::raw, GeometryCodec::draco})
+    EXPECT_EQ(encode_mesh(mesh, {codec, 1.0F, 9, 1.0F / 16})->bytes, encoded(mesh, codec, 1.0F).bytes);
+}
+
 TEST(GeometryCodec, keeps_raw_arrays_exactly_as_they_are) {
   const Mesh mesh = textured_cube();
   const Result<Mesh> back = decode_mesh(encoded(mesh, GeometryCodec::raw).bytes);
@@ -241,6 +277,15 @@ TEST(DecodeMesh, reads_the_golden_bytes_of_version_3) {
   }
 }
 
+TEST(DecodeMesh, reads_the_golden_bytes_of_two_grids) {
+  const Mesh mesh = on_two_grids(hills(4), 0.0625F);
+  expect_golden("mesh_v3_meshopt_fine.bin",
+                encode_mesh(mesh, {GeometryCodec::meshopt, 0.0625F, 9, 0.0625F / 16})->bytes);
+  const Result<Mesh> back = decode_mesh(golden_bytes("mesh_v3_meshopt_fine.bin"));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(triangles_of(*back), triangles_of(rounded(mesh, 0.0625F / 16)));
+}
+
 TEST(EncodeMesh, takes_the_bytes_that_were_committed) {
   std::string text = "# fixture codec bytes, on a grid of 1/512 m\n";
   for (const auto& [name, mesh] : mesh_fixtures())
@@ -362,8 +407,10 @@ std::vector<std::byte> with_payload(const std::vector<std::byte>& mesh, std::spa
 TEST(DecodeMesh, survives_random_changes_of_header_and_payload) {
   std::mt19937 random(7);
   for (const GeometryCodec codec : kCodecs) {
-    for (const Mesh& mesh : {textured_cube(), hills(6), hills_of_many_materials()}) {
-      const std::vector<std::byte> sound = encoded(mesh, codec, 0.0009765625F).bytes;
+    for (const auto& [mesh, fine_step_m] :
+         {std::pair(textured_cube(), 0.0F), std::pair(hills(6), 0.0F), std::pair(hills(6), 0.0009765625F / 16),
+          std::pair(hills_of_many_materials(), 0.0F)}) {
+      const std::vector<std::byte> sound = encode_mesh(mesh, {codec, 0.0009765625F, 9, fine_step_m})->bytes;
       const std::vector<std::byte> payload = *decompress_frame(std::span(sound).subspan(24), 1U << 24U);
       for (int round = 0; round < 150; ++round) {
         std::vector<std::byte> changed = payload;

@@ -54,12 +54,12 @@ TEST(Patches, panes_keep_their_place_and_colour_while_the_wall_closes_beneath_th
   add_wall_with_windows(wall, {0, 0, 0}, {24, 0, 0}, {0, 0, 15}, 8, 5, kWall);
   const double glass_m2 = area_of_color(wall, kGlass);
   constexpr uint32_t kPanes = 40, kTarget = 2 * kPanes + 60;  // woven in, each pane would need ten
-  float sheet_height_m = 0;
-  const Mesh result = simplify(wall, {.target_triangles = kTarget, .cell = {}}, &sheet_height_m);
+  SimplifyFigures figures;
+  const Mesh result = simplify(wall, {.target_triangles = kTarget}, &figures);
   EXPECT_EQ(find_defect(result), "");
   EXPECT_LE(result.triangle_count(), kTarget);
   EXPECT_NEAR(area_of_color(result, kGlass), glass_m2, 0.02 * glass_m2);
-  EXPECT_GT(sheet_height_m, 0);
+  EXPECT_GT(figures.sheet_height_m, 0);
   EXPECT_LT(surface_distance(wall, result).bound_m, 0.3F) << "windows are 0.2 m deep";
   int points = 0, others = 0;
   for (float x = 0.05F; x < 24; x += 0.1F)
@@ -148,7 +148,7 @@ TEST(Patches, a_cellar_floor_beneath_a_street_never_comes_up) {
   mesh.colors.assign(mesh.vertex_count(), kWall);
   mesh.normals.assign(mesh.vertex_count(), glm::vec3(0, 0, 1));
   add_slab(mesh, 2, 18, -0.5F, kGrass);
-  const Mesh result = simplify(mesh, {.target_triangles = 200, .cell = {}});
+  const Mesh result = simplify(mesh, {.target_triangles = 200});
   for (size_t v = 0; v < result.vertex_count(); ++v)
     if (result.colors[v] == kGrass) {
       EXPECT_EQ(result.positions[v].z, -0.5F);

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <set>
+#include <span>
 
 #include "tests/preprocess/surfaces.h"
 
@@ -12,7 +14,7 @@ namespace {
 
 using namespace test;
 
-Mesh simplified(const Mesh& mesh, uint32_t target) { return simplify(mesh, {.target_triangles = target, .cell = {}}); }
+Mesh simplified(const Mesh& mesh, uint32_t target) { return simplify(mesh, {.target_triangles = target}); }
 
 /// Sound, at the target, with unit normals and only positions that the source has.
 void expect_sound(const Mesh& source, const Mesh& result, uint32_t target) {
@@ -204,10 +206,18 @@ TEST(Simplify, the_border_between_two_materials_stays) {
   EXPECT_NEAR(third, 25, 1e-3);
 }
 
+/// All open edges.
+Border border_all_around(const Mesh& mesh) {
+  std::vector<uint32_t> triangles(mesh.triangle_count());
+  std::iota(triangles.begin(), triangles.end(), 0U);
+  const std::span<const uint32_t> leaf(triangles);
+  return find_borders(mesh, {&leaf, 1}, bounds(mesh), bounds(mesh).diagonal()).front();
+}
+
 TEST(Simplify, locked_borders_stay_where_they_are) {
   const Mesh mesh = hills(40);
-  const Box cell{{0, 0, -20}, {100, 100, 20}};
-  const Mesh result = simplify(mesh, {.target_triangles = 1000, .cell = cell});
+  Border border = border_all_around(mesh);
+  const Mesh result = simplify(mesh, {.target_triangles = 1000}, border);
   expect_sound(mesh, result, 1000);
   const auto on_border = [](const glm::vec3& p) { return p.x == 0 || p.y == 0 || p.x == 100 || p.y == 100; };
   const auto borders = [&](const Mesh& m) {
@@ -221,8 +231,8 @@ TEST(Simplify, locked_borders_stay_where_they_are) {
 
 TEST(Simplify, borders_that_leave_no_room_give_way_but_stay_on_the_cell) {
   const Mesh mesh = hills(40);
-  const Box cell{{0, 0, -20}, {100, 100, 20}};
-  const Mesh result = simplify(mesh, {.target_triangles = 100, .cell = cell});
+  Border border = border_all_around(mesh);
+  const Mesh result = simplify(mesh, {.target_triangles = 100}, border);
   expect_sound(mesh, result, 100);
   const Box box = bounds(result);
   EXPECT_EQ(box.min.x, 0);
