@@ -236,6 +236,14 @@ double NodeBuilder::step_of(double error_m) const {
   return std::max(step_m, double(options_.leaf_step_m));
 }
 
+/// Positions and triangles only.
+Mesh NodeBuilder::with_fins(const Mesh& mesh, const Border& border) const {
+  Mesh out;
+  out.positions = mesh.positions, out.indices = mesh.indices;
+  add_fins(out, border, fin_options({}));
+  return out;
+}
+
 /// Gives the surface its mesh and border and, fins included, its error.
 NodeBuilder::Shape NodeBuilder::reduce(Mesh bare, Border border, NodeSurface& surface) const {
   Shape shape;
@@ -243,17 +251,18 @@ NodeBuilder::Shape NodeBuilder::reduce(Mesh bare, Border border, NodeSurface& su
   options.target_triangles = options_.node_triangles;
   SimplifyFigures figures;
   const float diagonal_m = bounds(bare).diagonal();
-  const bool is_reduced = bare.triangle_count() > options.target_triangles;
-  surface.mesh = is_reduced ? simplify(bare, options, border, &figures) : std::move(bare);
+  options.besides = [&](const Mesh& mesh, const Border& its_border) {
+    return with_fins(mesh, its_border).triangle_count() - mesh.triangle_count();
+  };
+  surface.mesh = simplify(bare, options, border, &figures);
+  const bool is_reduced = surface.mesh.triangle_count() < bare.triangle_count();
   surface.border = std::move(border);
   if (surface.mesh.indices.empty()) return shape;
   const Reference& reference = surface.reference;
   shape.most_step_m = figures.sheet_height_m > 0
                           ? std::max(double(figures.sheet_height_m), double(options_.leaf_step_m))
                           : std::numeric_limits<double>::infinity();
-  Mesh measured;
-  measured.positions = surface.mesh.positions, measured.indices = surface.mesh.indices;
-  add_fins(measured, surface.border, fin_options({}));
+  const Mesh measured = with_fins(surface.mesh, surface.border);
   shape.has_fins = measured.indices.size() > surface.mesh.indices.size();
   if (!is_reduced && !shape.has_fins) return shape;
   const double tolerance_m = std::max(kToleranceOfError * reference.error_m, kToleranceOfSize * double(diagonal_m));

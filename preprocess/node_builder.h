@@ -102,6 +102,7 @@ class NodeBuilder {
   Shape reduce(Mesh bare, Border border, NodeSurface& surface) const;
   double step_of(double error_m) const;
   FinOptions fin_options(std::function<uint32_t(uint32_t material)> fin_material) const;
+  Mesh with_fins(const Mesh& mesh, const Border& border) const;
   uint32_t fin_material(uint32_t material, std::vector<Material>& atlas_materials) const;
   Status bake(const Merged& merged, BuiltNode& node) const;
   /// What is stored of a surface.

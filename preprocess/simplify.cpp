@@ -38,6 +38,7 @@ constexpr float kSheetReach = 1.5F;
 /// Between points along creases, in shares of the side of a square as large as a triangle of the result. Measured: see
 /// bench_simplify.
 constexpr double kSpacing = 0.15;
+constexpr int kMostRounds = 8;  // until the target holds with what comes besides
 
 float point_spacing_m(const WorkMesh& work, uint32_t target) {
   double area_m2 = 0;
@@ -56,7 +57,8 @@ class Simplifier {
         borders_(work, border),
         patches_(add_patches(work, source)),
         parts_(work),
-        target_(std::max(options.target_triangles, 1U)),
+        wanted_(std::max(options.target_triangles, 1U)),
+        target_(wanted_),
         collapser_(work, source, borders_, point_spacing_m(work, target_)),
         queue_(static_cast<uint32_t>(work.place_count() + parts_.count() + patches_.size())),
         alive_in_part_(parts_.count()),
@@ -68,8 +70,19 @@ class Simplifier {
     if (double(borders_.edge_count()) <= kMostLockedShare * target_) collapser_.set_border_rule(Rule::stay);
   }
 
-  SimplifyFigures run() {
+  /// besides: as in SimplifyOptions.
+  SimplifyFigures run(const std::function<size_t(const Mesh&, const Border&)>& besides) {
+    queue_parts();
+    for (uint32_t i = 0; i < patches_.size(); ++i) queue_.set(places() + parts_.count() + i, 0);
+    queue_places();
     reduce();
+    for (int round = 0; besides && round < kMostRounds; ++round) {
+      const size_t more = besides(finish(work_, source_), border());
+      if (work_.alive_count + more <= wanted_ || target_ == 1) break;
+      // What comes besides rarely grows as the border loses edges.
+      target_ = more + 1 < wanted_ ? std::min(target_ - 1, wanted_ - static_cast<uint32_t>(more)) : target_ / 2;
+      reduce();
+    }
     return {raise(), reached_m_};
   }
   Border border() const { return borders_.border(work_); }
@@ -78,20 +91,17 @@ class Simplifier {
   using Rule = Collapser::BorderRule;
 
   void reduce() {
-    queue_parts();
-    for (uint32_t i = 0; i < patches_.size(); ++i) queue_.set(places() + parts_.count() + i, 0);
+    for (drain(); work_.alive_count > target_; drain())
+      if (!loosen()) return kill_smallest();
+  }
+
+  /// Allows more, once nothing is left to do; false when everything is allowed.
+  bool loosen() {
+    if (rules_loosened_ == 2) return false;
+    collapser_.set_border_rule(++rules_loosened_ == 1 ? Rule::along : Rule::free);
+    if (rules_loosened_ == 2) collapser_.allow_flips(true);
     queue_places();
-    drain();
-    if (work_.alive_count <= target_) return;
-    collapser_.set_border_rule(Rule::along);
-    queue_places();
-    drain();
-    if (work_.alive_count <= target_) return;
-    collapser_.set_border_rule(Rule::free);
-    collapser_.allow_flips(true);
-    queue_places();
-    drain();
-    if (work_.alive_count > target_) kill_smallest();
+    return true;
   }
 
   uint32_t places() const { return static_cast<uint32_t>(work_.place_count()); }
@@ -294,7 +304,9 @@ class Simplifier {
   BorderLines borders_;
   std::vector<Patch> patches_;
   Parts parts_;
-  uint32_t target_;
+  const uint32_t wanted_;  // with what comes besides
+  uint32_t target_;        // without
+  int rules_loosened_ = 0;
   Collapser collapser_;
   CostQueue queue_;
   std::vector<uint32_t> alive_in_part_;
@@ -312,16 +324,22 @@ class Simplifier {
 
 Mesh simplify(const Mesh& mesh, const SimplifyOptions& options, Border& border, SimplifyFigures* figures) {
   if (figures != nullptr) *figures = {};
-  if (mesh.triangle_count() <= options.target_triangles) return mesh;
+  const auto fits = [&](const Mesh& result, const Border& its_border) {
+    const size_t triangles = result.triangle_count();
+    return triangles <= options.target_triangles &&
+           (!options.besides || triangles + options.besides(result, its_border) <= options.target_triangles);
+  };
+  if (fits(mesh, border)) return mesh;
   WorkMesh work = make_work_mesh(mesh);
-  if (work.alive_count > options.target_triangles) {
-    Simplifier simplifier(work, mesh, options, border);
-    const SimplifyFigures reached = simplifier.run();
-    if (figures != nullptr) *figures = reached;
-    border = simplifier.border();
-  } else {
-    border = BorderLines(work, border).border(work);
+  Border as_it_is = BorderLines(work, border).border(work);
+  if (Mesh result = finish(work, mesh); fits(result, as_it_is)) {
+    border = std::move(as_it_is);
+    return result;
   }
+  Simplifier simplifier(work, mesh, options, border);
+  const SimplifyFigures reached = simplifier.run(options.besides);
+  if (figures != nullptr) *figures = reached;
+  border = simplifier.border();
   return finish(work, mesh);
 }
 

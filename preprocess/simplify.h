@@ -2,6 +2,7 @@
 // One step up the HLOD tree: the children's surface with fewer triangles.
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "geometry/mesh.h"
@@ -12,6 +13,9 @@ namespace promenade {
 
 struct SimplifyOptions {
   uint32_t target_triangles = 2000;
+  /// How many triangles come to such a mesh with such a border besides, as fins do: the target counts them. Unset:
+  /// none.
+  std::function<size_t(const Mesh& mesh, const Border& border)> besides = {};
 };
 
 struct SimplifyFigures {

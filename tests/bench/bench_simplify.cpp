@@ -20,9 +20,7 @@ namespace {
 
 using Method = std::function<Mesh(const Mesh&, uint32_t)>;
 
-Mesh by_promenade(const Mesh& mesh, uint32_t target) {
-  return simplify(mesh, {.target_triangles = target});
-}
+Mesh by_promenade(const Mesh& mesh, uint32_t target) { return simplify(mesh, {.target_triangles = target}); }
 
 /// Positions only, equal ones one vertex: what the others work on.
 Mesh welded(const Mesh& mesh) {
