@@ -191,8 +191,8 @@ TEST(Bake, says_which_triangles_are_seen_through_and_how) {
   materials[1].alpha = AlphaMode::mask;
   materials[2].alpha = AlphaMode::blend, materials[2].color.a = 90;
   const BakedMesh baked = baked_ok(bare(parts), parts, materials, pictures, {0.1, 1024, 2});
-  constexpr auto o = AlphaMode::opaque, m = AlphaMode::mask, b = AlphaMode::blend;
-  EXPECT_EQ(baked.alpha, (std::vector<AlphaMode>{o, o, m, m, b, b, o, o, b, b}));
+  constexpr auto kO = AlphaMode::opaque, kM = AlphaMode::mask, kB = AlphaMode::blend;
+  EXPECT_EQ(baked.alpha, (std::vector<AlphaMode>{kO, kO, kM, kM, kB, kB, kO, kO, kB, kB}));
 }
 
 TEST(Bake, leaves_opaque_what_only_its_vertices_call_clear) {
