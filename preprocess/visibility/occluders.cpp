@@ -35,14 +35,26 @@ bool is_hole(const Loop& loop) {
 struct TileResult {
   OccluderSet set;
   std::vector<std::pair<glm::dvec2, SolidColumns::Slip>> slips;  ///< where
-  std::vector<std::pair<glm::dvec2, float>> ground;              ///< squares of the tile's core: where, solid up to
+  std::vector<std::pair<size_t, float>> ground;                  ///< squares that the tile's core meets: solid up to
 };
+
+using Ground = OccluderSet::Ground;
+
+/// Squares of the ground that a rectangle meets: first x, first y, last x, last y.
+std::array<size_t, 4> squares_of(const Ground& ground, const glm::dvec2& low, const glm::dvec2& high) {
+  const glm::dvec2 most(ground.nx - 1, ground.ny - 1);
+  const glm::dvec2 a = glm::clamp((low - ground.corner) / Ground::kSquareM, glm::dvec2(0), most);
+  const glm::dvec2 b = glm::clamp((high - ground.corner) / Ground::kSquareM, glm::dvec2(0), most);
+  return {static_cast<size_t>(a.x), static_cast<size_t>(a.y), static_cast<size_t>(b.x), static_cast<size_t>(b.y)};
+}
 
 /// The tile's solid columns turned into occluders.
 class TileWork {
  public:
-  TileWork(const ColumnGrid& grid, const SolidColumns& solid, const Box& core, const OccluderOptions& options)
-      : grid_(grid), solid_(solid), core_(core), options_(options) {}
+  /// ground: its squares' places; what is in them is not read.
+  TileWork(const ColumnGrid& grid, const SolidColumns& solid, const Box& core, const Ground& ground,
+           const OccluderOptions& options)
+      : grid_(grid), solid_(solid), core_(core), squares_(ground), options_(options) {}
 
   TileResult run() {
     find_ground();
@@ -77,6 +89,7 @@ class TileWork {
   const ColumnGrid& grid_;
   const SolidColumns& solid_;
   Box core_;
+  const Ground& squares_;
   const OccluderOptions& options_;
   uint32_t block_ = 1, blocks_x_ = 0, blocks_y_ = 0;
   std::vector<float> ground_;  ///< the lowest solid top or base around each block
@@ -104,12 +117,15 @@ void TileWork::find_ground() {
               std::min(ground_[size_t(y) * blocks_x_ + x], lowest[size_t(v) * blocks_x_ + u]);
 }
 
-/// Slips, and how far each column of the core is solid from below. Blocks of columns that lie in one square of the
-/// coarse ground would do; columns one by one are simpler, so several report to the same square.
+/// Slips, and how far the squares of the ground that the core meets are solid from below.
 void TileWork::survey_ground() {
   for (const SolidColumns::Slip& slip : solid_.slips)
     result_.slips.emplace_back(place(slip.column % grid_.nx, slip.column / grid_.nx), slip);
   const auto steps = std::max(1U, static_cast<uint32_t>(0.5 / grid_.column_m));
+  const glm::dvec2 beyond(grid_.column_m * (steps + 1));
+  const auto around = squares_of(squares_, glm::dvec2(core_.min) - beyond, glm::dvec2(core_.max) + beyond);
+  const size_t width = around[2] - around[0] + 1;
+  std::vector<float> solid_m(width * (around[3] - around[1] + 1), kFar);
   for (uint32_t y = 0; y < grid_.ny; y += steps)
     for (uint32_t x = 0; x < grid_.nx; x += steps) {
       const glm::dvec2 low = place(x, y), high = place(x + steps, y + steps);
@@ -123,9 +139,16 @@ void TileWork::survey_ground() {
           lowest = std::min(lowest, solid_.base_m[column] == -kFar ? solid_.top_m[column] : -kFar);
         }
       // To every square that the block may reach into.
-      for (const double px : {low.x, high.x})
-        for (const double py : {low.y, high.y}) result_.ground.emplace_back(glm::dvec2(px, py), lowest);
+      const auto into = squares_of(squares_, low, high);
+      for (const size_t px : {into[0], into[2]})
+        for (const size_t py : {into[1], into[3]}) {
+          float& square = solid_m[(py - around[1]) * width + px - around[0]];
+          square = std::min(square, lowest);
+        }
     }
+  for (size_t i = 0; i < solid_m.size(); ++i)
+    if (solid_m[i] < kFar)
+      result_.ground.emplace_back((around[1] + i / width) * squares_.nx + around[0] + i % width, solid_m[i]);
 }
 
 /// Raised columns that hang together over their sides.
@@ -264,7 +287,7 @@ void TileWork::add_occluder(const Region& region, uint32_t number) {
 }
 
 /// Reads what a tile needs and works through it.
-Result<TileResult> work_tile(const ModelReader& model, const Box& core, const Box& model_box,
+Result<TileResult> work_tile(const ModelReader& model, const Box& core, const Box& model_box, const Ground& ground,
                              const OccluderOptions& options, JobMonitor& monitor) {
   const auto margin = static_cast<float>(options.margin_m), column = static_cast<float>(options.column_m);
   Box around = core;
@@ -282,7 +305,7 @@ Result<TileResult> work_tile(const ModelReader& model, const Box& core, const Bo
     builder.add(mesh, model.model().tables.materials);
   }));
   const SolidColumns solid = builder.finish();
-  return TileWork(grid, solid, core, options).run();
+  return TileWork(grid, solid, core, ground, options).run();
 }
 
 void append(OccluderSet& all, const OccluderSet& tile) {
@@ -299,8 +322,6 @@ void append(OccluderSet& all, const OccluderSet& tile) {
   all.points.insert(all.points.end(), tile.points.begin(), tile.points.end());
 }
 
-using Ground = OccluderSet::Ground;
-
 Ground make_ground(const Box& box) {
   Ground ground;
   ground.corner = glm::dvec2(box.min) - Ground::kSquareM;
@@ -312,14 +333,6 @@ Ground make_ground(const Box& box) {
   return ground;
 }
 
-/// Squares of the ground that a rectangle meets: first x, first y, last x, last y.
-std::array<size_t, 4> squares_of(const Ground& ground, const glm::dvec2& low, const glm::dvec2& high) {
-  const glm::dvec2 most(ground.nx - 1, ground.ny - 1);
-  const glm::dvec2 a = glm::clamp((low - ground.corner) / Ground::kSquareM, glm::dvec2(0), most);
-  const glm::dvec2 b = glm::clamp((high - ground.corner) / Ground::kSquareM, glm::dvec2(0), most);
-  return {static_cast<size_t>(a.x), static_cast<size_t>(a.y), static_cast<size_t>(b.x), static_cast<size_t>(b.y)};
-}
-
 void add_tile(Ground& ground, const TileResult& tile) {
   const size_t row = size_t(ground.nx) + 1;
   for (const auto& [at, slip] : tile.slips) {
@@ -327,11 +340,7 @@ void add_tile(Ground& ground, const TileResult& tile) {
     ++ground.slip_sums[slip.way][(square[1] + 1) * row + square[0] + 1];
     ground.slips_top_m = std::max(ground.slips_top_m, slip.top_m);
   }
-  for (const auto& [at, solid_m] : tile.ground) {
-    const auto square = squares_of(ground, at, at);
-    float& lowest = ground.solid_m[square[1] * ground.nx + square[0]];
-    lowest = std::min(lowest, solid_m);
-  }
+  for (const auto& [square, solid_m] : tile.ground) ground.solid_m[square] = std::min(ground.solid_m[square], solid_m);
 }
 
 void complete(Ground& ground) {
@@ -437,15 +446,15 @@ Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOp
   const auto tiles_y = static_cast<size_t>(double(box.size().y) / options.tile_m) + 1;
   const auto side = static_cast<float>(options.tile_m);
   std::vector<std::optional<Result<TileResult>>> made(tiles_x * tiles_y);
+  set.ground = make_ground(box);
   std::atomic<size_t> done = 0;
   tbb::parallel_for(size_t(0), made.size(), [&](size_t i) {
     Box core = box;
     core.min.x += side * float(i % tiles_x), core.min.y += side * float(i / tiles_x);
     core.max.x = core.min.x + side, core.max.y = core.min.y + side;
-    made[i] = work_tile(model, core, box, options, monitor);
+    made[i] = work_tile(model, core, box, set.ground, options, monitor);
     monitor.progress("occluders", ++done, made.size());
   });
-  set.ground = make_ground(box);
   for (std::optional<Result<TileResult>>& tile : made) {
     if (!tile->ok()) return tile->error();
     append(set, (*tile)->set);

@@ -77,8 +77,8 @@ struct OccluderSet {
   Ground ground;
 };
 
-/// Reads every leaf, some times over, tile by tile on the threads of the arena; memory in proportion to a tile. The
-/// same result at any number of threads. Errors: reading the model; "interrupted".
+/// Reads every leaf, some times over, tile by tile on the threads of the arena; memory in proportion to a tile, and to
+/// what is found. The same result at any number of threads. Errors: reading the model; "interrupted".
 Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOptions& options, JobMonitor& monitor);
 
 }  // namespace promenade
