@@ -49,6 +49,10 @@ Mesh transformed(const Mesh& mesh, const glm::dmat4& to_from_mesh);
 /// order of first use.
 Mesh submesh(const Mesh& mesh, const std::vector<uint32_t>& triangles);
 
+/// The corners beside one in its triangle: indices into Mesh::indices.
+inline uint32_t next_in_triangle(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+inline uint32_t previous_in_triangle(uint32_t corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
+
 /// Normal of a triangle (not unit: its length is twice the area), counter-clockwise front.
 glm::vec3 triangle_cross(const Mesh& mesh, size_t triangle);
 

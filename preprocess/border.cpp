@@ -15,9 +15,6 @@ namespace {
 constexpr uint32_t kNone = 0xffffffffU;
 constexpr uint32_t kMany = 0xfffffffeU;
 
-uint32_t next_in_triangle(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
-uint32_t previous_in_triangle(uint32_t corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
-
 uint64_t key_of(uint32_t from, uint32_t to) { return uint64_t(from) << 32U | to; }
 uint64_t undirected(uint32_t a, uint32_t b) { return key_of(std::min(a, b), std::max(a, b)); }
 

@@ -8,8 +8,6 @@ namespace promenade {
 
 namespace {
 
-uint32_t next_in_triangle(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
-
 float distance2_to_segment(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b) {
   const glm::vec3 along = b - a, to_p = p - a;
   const float length2 = glm::dot(along, along);

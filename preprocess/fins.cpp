@@ -26,8 +26,6 @@ constexpr float kThin = 0.05F;
 /// Where the border turns less, fins on either side share an end; of the sum of two units.
 constexpr float kLeastSum = 1.4F;
 
-uint32_t next_in_triangle(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
-
 glm::vec3 unit(const glm::vec3& v) {
   const float length = glm::length(v);
   return length > 0 ? v / length : glm::vec3(0);

@@ -25,9 +25,6 @@ constexpr float kSameWayCosine = 0.5F;
 /// Sheets stacked above each other that are told apart.
 constexpr uint32_t kMostStacked = 2;
 
-uint32_t next_in_triangle(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
-uint32_t previous_in_triangle(uint32_t corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
-
 glm::vec3 cross_of(const WorkMesh& work, uint32_t triangle) {
   const uint32_t c = triangle * 3;
   return glm::cross(work.at(c + 1) - work.at(c), work.at(c + 2) - work.at(c));

@@ -16,8 +16,6 @@ namespace {
 /// A normal whose cosine with its triangle is less lights the wrong side of it.
 constexpr float kLeastNormalCosine = 0.2F;
 
-uint32_t next_in_triangle(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
-
 /// Whether a triangle with the same corners in the same turn, and the same material, is alive already.
 bool repeats(const WorkMesh& work, const Mesh& mesh, uint32_t triangle) {
   const uint32_t first = triangle * 3;

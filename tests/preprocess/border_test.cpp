@@ -20,8 +20,6 @@ using namespace test;
 using Place = std::array<float, 3>;
 Place place_of(const glm::vec3& p) { return {p.x, p.y, p.z}; }
 
-uint32_t next_in_triangle(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
-
 /// A border's edges by their ends' places.
 std::set<std::pair<Place, Place>> edges_of(const Mesh& mesh, const Border& border) {
   std::set<std::pair<Place, Place>> edges;
