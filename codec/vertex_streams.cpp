@@ -6,9 +6,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <limits>
-#include <unordered_map>
 
 #include "codec/byte_planes.h"
 #include "codec/vertex_guesses.h"
@@ -23,19 +22,18 @@ constexpr uint32_t kTwinReach = 255;
 /// For each vertex how many vertices back the last one in the same place is; 0: none within reach. Vertices share a
 /// place where colours or normals meet.
 std::vector<uint32_t> find_twins(const std::vector<glm::u32vec3>& positions) {
-  struct Hash {
-    size_t operator()(const glm::u32vec3& p) const {
-      return (uint64_t(p.x) * 0x9e3779b97f4a7c15ULL ^ uint64_t(p.y)) * 0xbf58476d1ce4e5b9ULL ^ p.z;
-    }
-  };
-  std::unordered_map<glm::u32vec3, uint32_t, Hash> last;
-  last.reserve(positions.size());
+  constexpr uint32_t kFree = 0xffffffffU;
+  std::vector<uint32_t> table(std::bit_ceil(positions.size() * 2 + 1),
+                              kFree);  // open addressing: the last vertex there
   std::vector<uint32_t> twins(positions.size(), 0);
   for (uint32_t v = 0; v < positions.size(); ++v) {
-    const auto [found, is_new] = last.try_emplace(positions[v], v);
-    if (is_new) continue;
-    if (v - found->second <= kTwinReach) twins[v] = v - found->second;
-    found->second = v;
+    const glm::u32vec3& p = positions[v];
+    const uint64_t hash =
+        ((uint64_t(p.x) * 0x9e3779b97f4a7c15ULL ^ p.y) * 0xbf58476d1ce4e5b9ULL ^ p.z) * 0x94d049bb133111ebULL;
+    size_t slot = (hash >> 32U) & (table.size() - 1);
+    while (table[slot] != kFree && positions[table[slot]] != p) slot = (slot + 1) & (table.size() - 1);
+    if (table[slot] != kFree && v - table[slot] <= kTwinReach) twins[v] = v - table[slot];
+    table[slot] = v;
   }
   return twins;
 }
