@@ -209,7 +209,7 @@ class Simplifier {
     queue_.remove(places() + part);
     const float limit = patience(queued);
     if (!parts_.looked_at(part))  // most are far too dear, as any of their points shows, and never looked at again
-      if (const float cost = parts_.first_look(part); cost > limit) return queue_.set(places() + part, cost);
+      if (const float cost = parts_.first_look(part, limit); cost > limit) return queue_.set(places() + part, cost);
     gather_points(part, limit);
     float& paint = paint_m_[part];  // asked once: its surroundings change little before it goes
     if (paint < 0) paint = paint_cost(part);
