@@ -16,6 +16,9 @@
 namespace promenade {
 namespace {
 
+// How things are told, in a byte of their own.
+constexpr uint8_t kWideTexcoords = 1, kColorDifferences = 2;
+
 /// How far back a vertex in the same place is looked for: what fits a byte.
 constexpr uint32_t kTwinReach = 255;
 
@@ -127,6 +130,18 @@ uint32_t packed(const glm::u8vec4& c) {
 }
 glm::u8vec4 unpacked(uint32_t c) { return {c >> 24U, (c >> 16U) & 0xffU, (c >> 8U) & 0xffU, c & 0xffU}; }
 
+constexpr uint32_t kRed = 0xff000000U;
+
+/// Byte by byte, modulo 256.
+uint32_t byte_differences(uint32_t a, uint32_t b) {
+  constexpr uint32_t kHigh = 0x80808080U;
+  return ((a | kHigh) - (b & ~kHigh)) ^ ((a ^ ~b) & kHigh);
+}
+uint32_t byte_sums(uint32_t a, uint32_t b) {
+  constexpr uint32_t kHigh = 0x80808080U;
+  return ((a & ~kHigh) + (b & ~kHigh)) ^ ((a ^ b) & kHigh);
+}
+
 /// The colours that occur, in order, and for each vertex 0 for the colour of the vertex that the guess begins with,
 /// else its place among them, from 1 on.
 void put_colors(const std::vector<glm::u8vec4>& colors, const std::vector<Guess>& guesses, ByteWriter& writer) {
@@ -141,19 +156,21 @@ void put_colors(const std::vector<glm::u8vec4>& colors, const std::vector<Guess>
     codes.push_back(as_expected ? 0 : static_cast<uint32_t>(place) + 1);
   }
   writer.put(static_cast<uint32_t>(palette.size()));
-  // Only red is told as a difference: the others begin anew with every red.
-  for (size_t i = palette.size(); i-- > 1;) palette[i] -= palette[i - 1] & 0xff000000U;
+  for (size_t i = palette.size(); i-- > 1;) palette[i] = byte_differences(palette[i], palette[i - 1]);
   put_planes(palette, 4, writer);
   put_planes(codes, bytes_of_codes(palette.size()), writer);
 }
 
-Status get_colors(ByteReader& reader, const std::vector<Guess>& guesses, std::vector<glm::u8vec4>& colors) {
+/// by_differences: every byte of a colour is told less that of the one before, otherwise red alone.
+Status get_colors(ByteReader& reader, const std::vector<Guess>& guesses, bool by_differences,
+                  std::vector<glm::u8vec4>& colors) {
   const auto count = reader.get<uint32_t>();
   if (count > guesses.size()) return Error{fmt::format("mesh: {} colours for {} vertices", count, guesses.size())};
   std::vector<uint32_t> palette(count), codes(guesses.size());
   if (!get_planes(reader, 4, palette) || !get_planes(reader, bytes_of_codes(count), codes))
     return Error{"mesh: colours reach beyond the end"};
-  for (size_t i = 1; i < palette.size(); ++i) palette[i] += palette[i - 1] & 0xff000000U;
+  for (size_t i = 1; i < palette.size(); ++i)
+    palette[i] = byte_sums(palette[i], by_differences ? palette[i - 1] : palette[i - 1] & kRed);
   colors.reserve(codes.size());
   for (size_t v = 0; v < codes.size(); ++v) {
     if (codes[v] > count || (codes[v] == 0 && guesses[v].known == 0))
@@ -175,7 +192,7 @@ void put_vertices(const QuantizedMesh& mesh, ByteWriter& writer) {
   const std::vector<glm::u32vec3> positions = without_fine_bits(mesh);
   const bool wide_positions = needs_32_bits(positions), wide_texcoords = needs_32_bits(mesh.texcoords);
   writer.put(uint8_t(wide_positions));
-  writer.put(uint8_t(wide_texcoords));
+  writer.put(static_cast<uint8_t>((wide_texcoords ? kWideTexcoords : 0U) | kColorDifferences));
   const std::vector<Guess> single = without_parallelograms(*guesses);
   const std::vector<uint32_t> twins = find_twins(mesh.positions);
   put_planes(twins, 1, writer);
@@ -191,7 +208,10 @@ Status get_vertices(ByteReader& reader, size_t vertices, bool normals, bool texc
                     QuantizedMesh& mesh) {
   const Result<std::vector<Guess>> guesses = guess_vertices(mesh.indices, vertices);
   if (!guesses) return guesses.error();
-  const bool wide_positions = reader.get<uint8_t>() != 0, wide_texcoords = reader.get<uint8_t>() != 0;
+  const bool wide_positions = reader.get<uint8_t>() != 0;
+  const auto ways = reader.get<uint8_t>();
+  if (ways > (kWideTexcoords | kColorDifferences)) return Error{fmt::format("mesh: unknown ways {:#x}", ways)};
+  const bool wide_texcoords = (ways & kWideTexcoords) != 0;
   const Error short_streams{fmt::format("mesh: streams of {} vertices reach beyond the end", vertices)};
   const std::vector<Guess> single = without_parallelograms(*guesses);
   std::vector<uint32_t> twins(vertices);
@@ -209,7 +229,7 @@ Status get_vertices(ByteReader& reader, size_t vertices, bool normals, bool texc
   else if (normals && !get_differences(reader, *guesses, {}, false, mesh.normals))
     return short_streams;
   if (texcoords && !get_differences(reader, *guesses, {}, wide_texcoords, mesh.texcoords)) return short_streams;
-  if (colors) PROMENADE_TRY(get_colors(reader, single, mesh.colors));
+  if (colors) PROMENADE_TRY(get_colors(reader, single, (ways & kColorDifferences) != 0, mesh.colors));
   if (!reader.ok() || reader.remaining() != 0)
     return Error{fmt::format("mesh: {} bytes follow the vertices", reader.remaining())};
   return Done{};
