@@ -82,6 +82,11 @@ bool get_differences(ByteReader& reader, const std::vector<Guess>& guesses, cons
   return true;
 }
 
+/// What the vertex that the guess begins with has; 0 where there is none.
+uint32_t beside(const std::vector<glm::u32vec3>& values, const Guess& guess, int i) {
+  return guess.known == 0 ? 0 : values[guess.a][i];
+}
+
 /// The positions on the grid itself, rounded down.
 std::vector<glm::u32vec3> without_fine_bits(const QuantizedMesh& mesh) {
   std::vector<glm::u32vec3> coarse = mesh.positions;
@@ -100,7 +105,7 @@ void put_fine_bits(const QuantizedMesh& mesh, const std::vector<Guess>& guesses,
   for (int i = 0; i < 3; ++i)
     for (size_t v = 0; v < mesh.positions.size(); ++v)
       if (is_told(v))
-        writer.put(static_cast<uint8_t>((mesh.positions[v][i] - expected(mesh.positions, guesses[v], i)) & mask));
+        writer.put(static_cast<uint8_t>((mesh.positions[v][i] - beside(mesh.positions, guesses[v], i)) & mask));
 }
 
 bool get_fine_bits(ByteReader& reader, const std::vector<Guess>& guesses, const std::vector<uint32_t>& twins,
@@ -118,7 +123,7 @@ bool get_fine_bits(ByteReader& reader, const std::vector<Guess>& guesses, const 
       if (twins[v] != 0)
         mesh.positions[v][i] = mesh.positions[v - twins[v]][i];
       else if (is_told[v] != 0)
-        mesh.positions[v][i] |= (reader.get<uint8_t>() + expected(mesh.positions, guesses[v], i)) & mask;
+        mesh.positions[v][i] |= (reader.get<uint8_t>() + beside(mesh.positions, guesses[v], i)) & mask;
   return reader.ok();
 }
 
@@ -193,15 +198,15 @@ void put_vertices(const QuantizedMesh& mesh, ByteWriter& writer) {
   const bool wide_positions = needs_32_bits(positions), wide_texcoords = needs_32_bits(mesh.texcoords);
   writer.put(uint8_t(wide_positions));
   writer.put(static_cast<uint8_t>((wide_texcoords ? kWideTexcoords : 0U) | kColorDifferences));
-  const std::vector<Guess> single = without_parallelograms(*guesses);
+  // Bits of floats do not continue linearly.
+  const std::vector<Guess> single = mesh.on_grid ? std::vector<Guess>() : without_parallelograms(*guesses);
   const std::vector<uint32_t> twins = find_twins(mesh.positions);
   put_planes(twins, 1, writer);
-  // Bits of floats do not continue linearly.
   put_positions(positions, mesh.on_grid ? *guesses : single, twins, wide_positions, writer);
-  if (mesh.fine_bits > 0) put_fine_bits(mesh, single, twins, writer);
+  if (mesh.fine_bits > 0) put_fine_bits(mesh, *guesses, twins, writer);
   if (!mesh.normals.empty()) put_normals(mesh, *guesses, twins, writer);
   put_differences(mesh.texcoords, *guesses, wide_texcoords, writer);
-  if (!mesh.colors.empty()) put_colors(mesh.colors, single, writer);
+  if (!mesh.colors.empty()) put_colors(mesh.colors, *guesses, writer);
 }
 
 Status get_vertices(ByteReader& reader, size_t vertices, bool normals, bool texcoords, bool colors,
@@ -213,7 +218,8 @@ Status get_vertices(ByteReader& reader, size_t vertices, bool normals, bool texc
   if (ways > (kWideTexcoords | kColorDifferences)) return Error{fmt::format("mesh: unknown ways {:#x}", ways)};
   const bool wide_texcoords = (ways & kWideTexcoords) != 0;
   const Error short_streams{fmt::format("mesh: streams of {} vertices reach beyond the end", vertices)};
-  const std::vector<Guess> single = without_parallelograms(*guesses);
+  // Bits of floats do not continue linearly.
+  const std::vector<Guess> single = mesh.on_grid ? std::vector<Guess>() : without_parallelograms(*guesses);
   std::vector<uint32_t> twins(vertices);
   if (!get_planes(reader, 1, twins)) return short_streams;
   for (size_t v = 0; v < vertices; ++v)
@@ -223,13 +229,13 @@ Status get_vertices(ByteReader& reader, size_t vertices, bool normals, bool texc
     PROMENADE_TRY(get_positions(reader, of_positions, twins, wide_positions, mesh.positions));
   else if (!get_differences(reader, of_positions, twins, wide_positions, mesh.positions))
     return short_streams;
-  if (mesh.fine_bits > 0 && !get_fine_bits(reader, single, twins, mesh)) return short_streams;
+  if (mesh.fine_bits > 0 && !get_fine_bits(reader, *guesses, twins, mesh)) return short_streams;
   if (normals && mesh.by_kinds)
     PROMENADE_TRY(get_normals(reader, *guesses, twins, mesh));
   else if (normals && !get_differences(reader, *guesses, {}, false, mesh.normals))
     return short_streams;
   if (texcoords && !get_differences(reader, *guesses, {}, wide_texcoords, mesh.texcoords)) return short_streams;
-  if (colors) PROMENADE_TRY(get_colors(reader, single, (ways & kColorDifferences) != 0, mesh.colors));
+  if (colors) PROMENADE_TRY(get_colors(reader, *guesses, (ways & kColorDifferences) != 0, mesh.colors));
   if (!reader.ok() || reader.remaining() != 0)
     return Error{fmt::format("mesh: {} bytes follow the vertices", reader.remaining())};
   return Done{};
