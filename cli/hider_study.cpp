@@ -122,6 +122,7 @@ Status HiderStudy::judge_chain(ChainRow& row, const Box& cell, std::span<const N
   if (last && cells == 1 && !options_.picture.empty()) PROMENADE_TRY(draw_plan(cell, front, hidden_by, looks));
   if (last && options_.eyes > 0) PROMENADE_TRY(see_from_eyes(row, cell, front, hidden));
   const CellVerdict verdict = judge(meshes_.model().model(), front, hidden, looks);
+  if (last) studied.push_back({cell, looks.eyes, verdict});
   row.ratio_sum += double(verdict.kept_triangles) / double(std::max<uint64_t>(verdict.seen_triangles, 1));
   row.hidden_share_sum += 1 - double(verdict.kept_triangles) / double(std::max<uint64_t>(verdict.front_triangles, 1));
   row.false_hidden_nodes += verdict.false_hidden_nodes;

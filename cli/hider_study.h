@@ -1,6 +1,7 @@
 #pragma once
 // What each chain of hiders costs and is worth in cells of one model: the sums that `study hiders` tells.
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <random>
@@ -29,6 +30,16 @@ struct HiderStudyOptions {
 struct Drawn {
   uint64_t count = 0, nodes = 0, triangles = 0, most_nodes = 0, most_triangles = 0;
   void add(const Model& model, std::span<const NodeId> front, std::span<const uint8_t> hidden);
+};
+
+/// One cell as the last chain leaves it.
+struct StudiedCell {
+  Box box;
+  uint64_t eyes = 0;    ///< that looked around in it
+  CellVerdict verdict;  ///< of the last chain
+  double ratio() const {
+    return double(verdict.kept_triangles) / double(std::max<uint64_t>(verdict.seen_triangles, 1));
+  }
 };
 
 /// Over the cells. ms: processor time of one thread.
@@ -63,6 +74,7 @@ class HiderStudy {
   uint64_t cells = 0, eyes = 0, pixels = 0, front_nodes = 0, seen_nodes = 0;
   double reference_ms = 0, eye_ms = 0;
   Drawn cell_to_object, eye_to_object;
+  std::vector<StudiedCell> studied;
 
  private:
   Status ask(ChainRow& row, const Box& cell, std::span<const NodeId> front, std::span<uint8_t> hidden_by);

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "cli/console.h"
+#include "cli/near_sets.h"
 #include "cli/view_options.h"
 #include "geometry/parallax.h"
 #include "preprocess/far/far_cell.h"
@@ -124,6 +125,7 @@ class FarStudy {
     for (const bool depth : {false, true})
       for (const double part : depth ? arguments_.depth_cells : arguments_.flat_cells)
         PROMENADE_TRY(add_size(depth, part));
+    tell_near();
     return Done{};
   }
 
@@ -139,6 +141,7 @@ class FarStudy {
     if (!tables) return tables.error();
     std::vector<std::array<Sum, kWays.size()>> sums(arguments_.steps.size());
     std::vector<uint64_t> cells(arguments_.steps.size());
+    NearSets near;
     for (size_t i = 0; i < places_.size(); ++i) {
       monitor_.progress("cells", i, places_.size());
       if (monitor_.cancelled()) return Error{"interrupted"};
@@ -154,6 +157,8 @@ class FarStudy {
         beside[axis] += step_m;
         const std::optional<uint64_t> neighbour = far_place_at(*tables, beside);
         if (!neighbour) continue;
+        if (arguments_.steps[k] == 1)
+          near.add(scene_.model().model(), near_box(*tables, *place), near_box(*tables, *neighbour));
         const Result<ShapedFar> other = draw_far_cell(scene_, *tables, *neighbour);
         if (!other) return other.error();
         offset[axis] = -step_m / (tables->box_m / 2);
@@ -162,7 +167,30 @@ class FarStudy {
       }
     }
     for (size_t k = 0; k < arguments_.steps.size(); ++k) tell(*tables, arguments_.steps[k], cells[k], sums[k]);
+    if (near.steps > 0) keep(*tables, near);
     return Done{};
+  }
+
+  void keep(const FarTables& tables, const NearSets& near) {
+    const double n = double(near.steps);
+    figures_["near"].push_back({{"has_depth", tables.has_depth},
+                                {"cell_m", tables.cell_m},
+                                {"box_m", tables.box_m},
+                                {"cells", near.steps},
+                                {"leaves_mean", double(near.leaves) / n},
+                                {"changed_mean", double(near.changed) / n},
+                                {"delta_bytes_mean", double(near.delta_bytes) / n},
+                                {"find_ms_mean", 1e3 * near.find_s / n}});
+  }
+
+  void tell_near() const {
+    if (figures_["near"].empty()) return;
+    fmt::print("\nNear geometry, from a cell to the one beside it\n{:>8} {:>8} {:>12} {:>12} {:>16} {:>18}\n", "cell m",
+               "box m", "leaves", "others", "bytes if stored", "ms to find in tree");
+    for (const Json& near : figures_["near"])
+      fmt::print("{:>8.2f} {:>8.1f} {:>12.0f} {:>12.1f} {:>16.1f} {:>18.3f}\n", near["cell_m"].get<double>(),
+                 near["box_m"].get<double>(), near["leaves_mean"].get<double>(), near["changed_mean"].get<double>(),
+                 near["delta_bytes_mean"].get<double>(), near["find_ms_mean"].get<double>());
   }
 
   void tell(const FarTables& tables, uint32_t steps, uint64_t cells, const std::array<Sum, kWays.size()>& sums) {
@@ -206,7 +234,7 @@ Status run_study(Arguments& arguments, JobMonitor& monitor, Json& figures) {
   const Result<CameraPath> path = read_path(arguments.path_file);
   if (!path) return path.error();
   arguments.far.pictures = true;
-  figures["far"] = Json::array();
+  figures["far"] = Json::array(), figures["near"] = Json::array();
   const std::vector<Place> places = places_of(*path, arguments.places);
   for (const Place& place : places) arguments.far.along.push_back(place.at);
   return FarStudy(arguments, *reader, places, monitor, figures).run();
@@ -216,8 +244,9 @@ Status run_study(Arguments& arguments, JobMonitor& monitor, Json& figures) {
 
 Command add_study_far(CLI::App& study) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* app =
-      study.add_subcommand("far", "What far pictures take: each alone, or told by its differences from a neighbour's");
+  CLI::App* app = study.add_subcommand("far",
+                                       "What far pictures take, each alone or told by its differences from a "
+                                       "neighbour's; how much near geometry changes");
   app->add_option("MODEL", arguments->model, "A built model, with far pictures or without")->required();
   app->add_option("--path", arguments->path_file, "Cells where this recorded path goes")->required()->type_name("FILE");
   app->add_option("--places", arguments->places, "How many places of the path")

@@ -20,7 +20,8 @@ struct StudyGeometryOptions {
 /// One node as it is stored.
 struct Sample {
   Mesh mesh;
-  float step_m = 0;  ///< of its grid; 0: floats
+  float step_m = 0;       ///< of its grid; 0: floats
+  float fine_step_m = 0;  ///< of the finer one that some of it lies on; 0: none
   float error_m = 0;
   uint64_t stored_bytes = 0;
 };
@@ -48,10 +49,11 @@ std::vector<Way> all_ways() {
   return ways;
 }
 
-GeometryEncodeOptions options_of(const Way& way, float step_m) {
+GeometryEncodeOptions options_of(const Way& way, const Sample& sample) {
   GeometryEncodeOptions options;
-  options.codec = step_m > 0 ? way.codec : GeometryCodec::raw;
-  if (options.codec != GeometryCodec::raw) options.position_step_m = step_m * way.steps;
+  options.codec = sample.step_m > 0 ? way.codec : GeometryCodec::raw;
+  if (options.codec != GeometryCodec::raw) options.position_step_m = sample.step_m * way.steps;
+  options.fine_step_m = sample.fine_step_m;
   return options;
 }
 
@@ -65,7 +67,8 @@ Result<std::vector<Sample>> read_samples(const ModelReader& reader, uint32_t wan
     if (!bytes) return bytes.error();
     Result<Mesh> mesh = decode_mesh(*bytes);
     if (!mesh) return mesh.error();
-    samples.push_back({std::move(*mesh), position_step_m(*bytes), tables.nodes[node].error_m, bytes->size()});
+    samples.push_back(
+        {std::move(*mesh), position_step_m(*bytes), fine_step_m(*bytes), tables.nodes[node].error_m, bytes->size()});
   }
   return samples;
 }
@@ -78,7 +81,7 @@ Result<WayFigures> measure(const Way& way, const std::vector<Sample>& samples) {
   std::vector<std::vector<std::byte>> coded;
   const WallClock encoding;
   for (const Sample& sample : samples) {
-    GeometryEncodeOptions options = options_of(way, sample.step_m);
+    GeometryEncodeOptions options = options_of(way, sample);
     Result<EncodedMesh> encoded = encode_mesh(sample.mesh, options);
     if (!encoded && options.position_step_m) {  // too many steps across: on the stored grid, as a build would
       options.position_step_m = sample.step_m;

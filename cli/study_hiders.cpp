@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <random>
 
@@ -21,6 +22,8 @@ struct Arguments {
   std::vector<float> sides_m = {4};
   StudyCellOptions cells;
   std::string place = "street";
+  std::vector<double> at;  ///< a point, world: x, y, z; empty: none
+  bool list = false;
   HiderStudyOptions study;
   std::filesystem::path report_file;
 };
@@ -65,6 +68,21 @@ void print_rows(const std::vector<ChainRow>& rows, const HiderStudy& study) {
                row.false_hidden_pixels, row.prepare_s, row.conservative ? "" : "  not conservative");
 }
 
+/// Each cell with the last chain, those that keep most beside what is seen first.
+void print_cells(std::vector<StudiedCell> cells) {
+  std::stable_sort(cells.begin(), cells.end(),
+                   [](const StudiedCell& a, const StudiedCell& b) { return a.ratio() > b.ratio(); });
+  fmt::print("  {:>7} {:>6} {:>6} {:>6} {:>9} {:>9} {:>5}  {}\n", "ratio", "front", "kept", "seen", "triangles", "seen",
+             "eyes", "cell, m");
+  for (const StudiedCell& cell : cells) {
+    const CellVerdict& v = cell.verdict;
+    const Box& b = cell.box;
+    fmt::print("  {:>7.3f} {:>6} {:>6} {:>6} {:>9} {:>9} {:>5}  {:.2f},{:.2f},{:.2f} to {:.2f},{:.2f},{:.2f}\n",
+               cell.ratio(), v.front_nodes, v.kept_nodes, v.seen_nodes, v.kept_triangles, v.seen_triangles, cell.eyes,
+               b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z);
+  }
+}
+
 Json json_of(const std::vector<ChainRow>& rows, const HiderStudy& study) {
   const double n = double(study.cells);
   Json chains = Json::array();
@@ -91,12 +109,18 @@ Json json_of(const std::vector<ChainRow>& rows, const HiderStudy& study) {
           {"seen_nodes_mean", double(study.seen_nodes) / n}};
 }
 
-/// Random cells of the model's own, or of a place that has some.
+/// Random cells of the model's own, the one that holds a point, or some of a place.
 Result<std::vector<Box>> cells_of(const Arguments& arguments, const StudyCellOptions& options,
                                   const NodeMeshes& meshes) {
-  if (arguments.place != "cells") return study_cells(meshes, options);
+  if (arguments.place != "cells" && arguments.at.empty()) return study_cells(meshes, options);
   const CellsReader* stored = meshes.model().cells();
   if (stored == nullptr || stored->tables().cells.empty()) return Error{"has no view cells: try another --place"};
+  if (!arguments.at.empty()) {
+    const glm::dvec3 at(arguments.at[0], arguments.at[1], arguments.at[2]);
+    const std::optional<CellId> cell = cell_at(stored->tables(), at - meshes.model().model().manifest.origin);
+    if (!cell) return Error{fmt::format("no view cell holds {},{},{}", at.x, at.y, at.z)};
+    return std::vector<Box>{stored->tables().cells[index_of(*cell)].box};
+  }
   std::mt19937_64 random(options.seed);
   std::vector<Box> cells;
   cells.reserve(options.cells);
@@ -144,10 +168,11 @@ Status study_side(const Arguments& arguments, const NodeMeshes& meshes, const st
     fmt::print("{}: no {} cells of {} m found\n", model, arguments.place, side_m);
     return Done{};
   }
-  const bool own = arguments.place == "cells";
+  const bool own = arguments.place == "cells" || !arguments.at.empty();
   if (arguments.models.size() > 1 || arguments.sides_m.size() > 1)
     fmt::print("{}{}: ", model, own ? "" : fmt::format(", {} cells of {} m", arguments.place, side_m));
   print_rows(rows, study);
+  if (arguments.list) print_cells(study.studied);
   Json json = json_of(rows, study);
   HiderFigures figures = figures_of(rows, study);
   json["model"] = figures.model = model;
@@ -170,7 +195,7 @@ Status study_model(const Arguments& arguments, const std::filesystem::path& path
   const std::string name = (path.has_filename() ? path : path.parent_path()).stem().string();
   for (const float side_m : arguments.sides_m) {
     PROMENADE_TRY(study_side(arguments, **meshes, name, side_m, *rows, monitor, told));
-    if (arguments.place == "cells") break;  // these have sides of their own
+    if (arguments.place == "cells" || !arguments.at.empty()) break;  // these have sides of their own
   }
   return Done{};
 }
@@ -226,6 +251,11 @@ Command add_study_hiders(CLI::App& study) {
                   "Eyes in each cell, for a table of what is drawn of the whole model, of what the last chain leaves "
                   "to the cell, and of what it leaves to an eye and its view of 60 degrees")
       ->capture_default_str();
+  app->add_option("--at", arguments->at, "Only the model's own cell that holds this point, m")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("x,y,z");
+  app->add_flag("--list", arguments->list, "A line for each cell: what the last chain keeps there, and what is seen");
   app->add_option("--pixel-error", arguments->study.pixel_error,
                   "Bound of the cells' fronts, pixels at 1280 x 720, 60 degrees")
       ->check(CLI::PositiveNumber)

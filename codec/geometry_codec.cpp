@@ -20,8 +20,9 @@ namespace {
 constexpr uint32_t kMagic = 0x48534d50;  // "PMSH"
 constexpr uint8_t kVersion = 3;
 constexpr size_t kHeaderBytes = 24;
-constexpr uint8_t kHasNormals = 1, kHasTexcoords = 2, kHasColors = 4, kHasMaterials = 8, kOnGrid = 16, kFine = 32;
-constexpr uint8_t kAllFlags = 63;
+constexpr uint8_t kHasNormals = 1, kHasTexcoords = 2, kHasColors = 4, kHasMaterials = 8, kOnGrid = 16, kFine = 32,
+                  kByKinds = 64;
+constexpr uint8_t kAllFlags = 127;
 constexpr int kMaxExponent = 60;
 constexpr int64_t kFarthestBase = int64_t(1) << 53;  // no sum with an offset overflows; encoders stay far below
 constexpr int64_t kMeshoptTexcoordSteps = int64_t(1) << 28;
@@ -85,7 +86,8 @@ Result<Header> get_header(ByteReader& reader, uint64_t max_bytes) {
   const auto reserved = reader.get<uint16_t>();
   const bool is_fine = header.fine_bits > 0 && header.fine_bits <= kMaxFineBits && header.has(kOnGrid) &&
                        header.codec == GeometryCodec::meshopt;
-  if (header.flags > kAllFlags || reserved != 0 || (header.has(kFine) ? !is_fine : header.fine_bits != 0))
+  if (header.flags > kAllFlags || (header.has(kByKinds) && header.codec != GeometryCodec::meshopt) || reserved != 0 ||
+      (header.has(kFine) ? !is_fine : header.fine_bits != 0))
     return Error{fmt::format("mesh: unknown flags {:#x} or reserved bytes {:#x}", header.flags,
                              uint32_t(reserved) << 8U | header.fine_bits)};
   if (header.mesh_bytes() > max_bytes)
@@ -99,10 +101,10 @@ Result<Header> get_header(ByteReader& reader, uint64_t max_bytes) {
 Header header_for(const Mesh& mesh, const GeometryEncodeOptions& options) {
   Header header;
   header.codec = options.codec;
-  header.flags =
-      static_cast<uint8_t>((mesh.normals.empty() ? 0 : kHasNormals) | (mesh.texcoords.empty() ? 0 : kHasTexcoords) |
-                           (mesh.colors.empty() ? 0 : kHasColors) | (mesh.materials.empty() ? 0 : kHasMaterials) |
-                           (options.position_step_m ? kOnGrid : 0));
+  header.flags = static_cast<uint8_t>(
+      (mesh.normals.empty() ? 0 : kHasNormals) | (mesh.texcoords.empty() ? 0 : kHasTexcoords) |
+      (mesh.colors.empty() ? 0 : kHasColors) | (mesh.materials.empty() ? 0 : kHasMaterials) |
+      (options.position_step_m ? kOnGrid : 0) | (options.codec == GeometryCodec::meshopt ? kByKinds : 0));
   header.vertices = static_cast<uint32_t>(mesh.vertex_count());
   header.triangles = static_cast<uint32_t>(mesh.triangle_count());
   return header;
@@ -215,6 +217,7 @@ Result<Mesh> mesh_of_quantized(const Header& header, std::span<const std::byte> 
   mesh.position_exponent = header.position_exponent;
   mesh.fine_bits = header.fine_bits;
   mesh.texcoord_exponent = header.texcoord_exponent;
+  mesh.by_kinds = header.has(kByKinds);
   for (int64_t& base : mesh.position_base) base = reader.get<int64_t>();
   for (int64_t& base : mesh.texcoord_base) base = reader.get<int64_t>();
   for (const int64_t base : {mesh.position_base[0], mesh.position_base[1], mesh.position_base[2], mesh.texcoord_base[0],

@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kTexcoordExponent = -15;  // rounding by half a step is 1/16 texel of a picture 4096 wide
 constexpr float kOctahedralScale = 256;
-constexpr glm::i16vec2 kNoNormal{512, 512};           // off the octahedron's square: 0, the triangle's own normal
 constexpr double kFarthestStep = 4503599627370496.0;  // 2^52: beyond, doubles do not count steps
 
 /// 2^exponent. Products with it are exact, and far quicker than std::ldexp for every coordinate of a model.

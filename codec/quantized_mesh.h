@@ -23,6 +23,7 @@ struct QuantizedMesh {
   bool has_materials = false;    ///< false: Mesh::materials is empty
   int8_t position_exponent = 0;  ///< the grid's step is 2^exponent metres
   uint8_t fine_bits = 0;         ///< positions and their base count steps 2^fine_bits times as fine
+  bool by_kinds = true;          ///< meshopt: vertices are told by kinds (vertex_kinds.h), else by differences alone
   int8_t texcoord_exponent = 0;  ///< a step is 2^exponent of the texture's side
   std::array<int64_t, 3> position_base{};
   std::array<int64_t, 2> texcoord_base{};
@@ -58,6 +59,9 @@ void tidy(QuantizedMesh& mesh, const std::vector<uint32_t>& materials);
 
 /// A point rounded to the grid of that step, as a float. Coincident points stay so, whatever mesh they are in.
 glm::vec3 snapped(const glm::vec3& position, float step_m);
+
+/// The code of a normal of length 0, off the octahedron's square: the triangle's own.
+constexpr glm::i16vec2 kNoNormal{512, 512};
 
 /// Unit normals as points of an octahedron unfolded to a square of +-256: at most 0.48 degrees off; axes and face
 /// diagonals exact. A normal of length 0 has a code of its own.

@@ -10,84 +10,12 @@
 #include <limits>
 #include <unordered_map>
 
+#include "codec/byte_planes.h"
+#include "codec/vertex_guesses.h"
+#include "codec/vertex_kinds.h"
+
 namespace promenade {
 namespace {
-
-/// How many triangles back a neighbour is looked for: orders that are good for caches have it within a few.
-constexpr size_t kLookBack = 24;
-
-/// Vertices known when a new one is met: a + b - c, or a, or nothing.
-struct Guess {
-  uint32_t a = 0, b = 0, c = 0;
-  uint8_t known = 0;  ///< 0, 1 or 3
-};
-
-/// The corner of an earlier triangle across the edge between a and b.
-bool find_across(std::span<const uint32_t> indices, size_t triangle, Guess& guess) {
-  const size_t first = triangle > kLookBack ? triangle - kLookBack : 0;
-  for (size_t t = triangle; t-- > first;) {
-    const uint32_t* v = &indices[3 * t];
-    const auto has = [v](uint32_t i) { return v[0] == i || v[1] == i || v[2] == i; };
-    if (!has(guess.a) || !has(guess.b)) continue;
-    for (size_t c = 0; c < 3; ++c)
-      if (v[c] != guess.a && v[c] != guess.b) {
-        guess.c = v[c];
-        return true;
-      }
-  }
-  return false;
-}
-
-/// A guess for every vertex, in order. Fails where the triangles do not meet vertices in order, or not all of them.
-Result<std::vector<Guess>> guess_vertices(std::span<const uint32_t> indices, size_t vertices) {
-  if (vertices > indices.size())
-    return Error{fmt::format("mesh: {} vertices for {} corners of triangles", vertices, indices.size())};
-  std::vector<Guess> guesses;
-  guesses.reserve(vertices);
-  for (size_t t = 0; t < indices.size() / 3; ++t) {
-    std::array<uint32_t, 3> v{indices[3 * t], indices[3 * t + 1], indices[3 * t + 2]};
-    std::sort(v.begin(), v.end());
-    for (size_t i = 0; i < 3; ++i) {
-      const auto next = static_cast<uint32_t>(guesses.size());
-      if (v[i] < next) continue;
-      if (v[i] > next || next >= vertices)
-        return Error{fmt::format("mesh: triangle {} has vertex {}, {} is next of {}", t, v[i], next, vertices)};
-      Guess guess;
-      guess.known = i == 0 ? 0 : 1;
-      if (i > 0) guess.a = v[i - 1];
-      if (i == 2 && v[1] < v[2]) {
-        guess.b = v[0];
-        if (v[1] != v[0] && find_across(indices, t, guess)) guess.known = 3;
-      }
-      if (i == 0 && next > 0) guess.known = 1, guess.a = next - 1;
-      guesses.push_back(guess);
-    }
-  }
-  if (guesses.size() != vertices)
-    return Error{fmt::format("mesh: triangles use {} of {} vertices", guesses.size(), vertices)};
-  return guesses;
-}
-
-/// What is expected of one component, modulo 2^32.
-template <class Vec>
-uint32_t expected(const std::vector<Vec>& values, const Guess& guess, int i) {
-  const auto at = [&](uint32_t v) { return static_cast<uint32_t>(values[v][i]); };
-  if (guess.known == 0) return 0;
-  return guess.known == 3 ? at(guess.a) + at(guess.b) - at(guess.c) : at(guess.a);
-}
-
-/// The same guesses without parallelograms, for what does not continue linearly.
-std::vector<Guess> without_parallelograms(std::vector<Guess> guesses) {
-  for (Guess& guess : guesses) guess.known = std::min<uint8_t>(guess.known, 1);
-  return guesses;
-}
-
-/// Differences of 16 or 32 bits, small ones of either sign small.
-uint32_t folded(uint32_t difference, bool wide) {
-  if (!wide) difference = static_cast<uint32_t>(static_cast<int32_t>(static_cast<int16_t>(difference & 0xffffU)));
-  return (difference << 1U) ^ (0U - (difference >> 31U));
-}
-uint32_t unfolded(uint32_t code) { return (code >> 1U) ^ (0U - (code & 1U)); }
 
 /// How far back a vertex in the same place is looked for: what fits a byte.
 constexpr uint32_t kTwinReach = 255;
@@ -121,32 +49,13 @@ bool needs_32_bits(const std::vector<Vec>& values) {
   });
 }
 
-/// One byte of every number after the other, least significant bytes first.
-void put_planes(const std::vector<uint32_t>& numbers, uint32_t bytes, ByteWriter& writer) {
-  for (uint32_t plane = 0; plane < bytes; ++plane)
-    for (const uint32_t number : numbers) writer.put(static_cast<uint8_t>((number >> (8 * plane)) & 0xffU));
-}
-
-bool get_planes(ByteReader& reader, uint32_t bytes, std::vector<uint32_t>& numbers) {
-  std::fill(numbers.begin(), numbers.end(), 0U);
-  for (uint32_t plane = 0; plane < bytes; ++plane) {
-    const std::span<const std::byte> run = reader.get_bytes(numbers.size());
-    if (run.size() != numbers.size()) return false;
-    for (size_t i = 0; i < run.size(); ++i) numbers[i] |= std::to_integer<uint32_t>(run[i]) << (8 * plane);
-  }
-  return true;
-}
-
-/// skipped: vertices that are not written (not 0), or empty.
 template <class Vec>
-void put_differences(const std::vector<Vec>& values, const std::vector<Guess>& guesses,
-                     const std::vector<uint32_t>& skipped, bool wide, ByteWriter& writer) {
+void put_differences(const std::vector<Vec>& values, const std::vector<Guess>& guesses, bool wide, ByteWriter& writer) {
   std::vector<uint32_t> codes;
   for (int i = 0; i < Vec::length(); ++i) {
     codes.clear();
     for (size_t v = 0; v < values.size(); ++v)
-      if (skipped.empty() || skipped[v] == 0)
-        codes.push_back(folded(static_cast<uint32_t>(values[v][i]) - expected(values, guesses[v], i), wide));
+      codes.push_back(folded(static_cast<uint32_t>(values[v][i]) - expected(values, guesses[v], i), wide));
     put_planes(codes, wide ? 4 : 2, writer);
   }
 }
@@ -273,10 +182,10 @@ void put_vertices(const QuantizedMesh& mesh, ByteWriter& writer) {
   const std::vector<uint32_t> twins = find_twins(mesh.positions);
   put_planes(twins, 1, writer);
   // Bits of floats do not continue linearly.
-  put_differences(positions, mesh.on_grid ? *guesses : single, twins, wide_positions, writer);
+  put_positions(positions, mesh.on_grid ? *guesses : single, twins, wide_positions, writer);
   if (mesh.fine_bits > 0) put_fine_bits(mesh, single, twins, writer);
-  put_differences(mesh.normals, *guesses, {}, false, writer);
-  put_differences(mesh.texcoords, *guesses, {}, wide_texcoords, writer);
+  if (!mesh.normals.empty()) put_normals(mesh, *guesses, twins, writer);
+  put_differences(mesh.texcoords, *guesses, wide_texcoords, writer);
   if (!mesh.colors.empty()) put_colors(mesh.colors, single, writer);
 }
 
@@ -291,10 +200,16 @@ Status get_vertices(ByteReader& reader, size_t vertices, bool normals, bool texc
   if (!get_planes(reader, 1, twins)) return short_streams;
   for (size_t v = 0; v < vertices; ++v)
     if (twins[v] > v) return Error{fmt::format("mesh: vertex {} lies where one {} before it does", v, twins[v])};
-  if (!get_differences(reader, mesh.on_grid ? *guesses : single, twins, wide_positions, mesh.positions))
+  const std::vector<Guess>& of_positions = mesh.on_grid ? *guesses : single;
+  if (mesh.by_kinds)
+    PROMENADE_TRY(get_positions(reader, of_positions, twins, wide_positions, mesh.positions));
+  else if (!get_differences(reader, of_positions, twins, wide_positions, mesh.positions))
     return short_streams;
   if (mesh.fine_bits > 0 && !get_fine_bits(reader, single, twins, mesh)) return short_streams;
-  if (normals && !get_differences(reader, *guesses, {}, false, mesh.normals)) return short_streams;
+  if (normals && mesh.by_kinds)
+    PROMENADE_TRY(get_normals(reader, *guesses, twins, mesh));
+  else if (normals && !get_differences(reader, *guesses, {}, false, mesh.normals))
+    return short_streams;
   if (texcoords && !get_differences(reader, *guesses, {}, wide_texcoords, mesh.texcoords)) return short_streams;
   if (colors) PROMENADE_TRY(get_colors(reader, single, mesh.colors));
   if (!reader.ok() || reader.remaining() != 0)

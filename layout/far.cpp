@@ -99,8 +99,10 @@ DBox box_of_place(const FarTables& tables, uint64_t place) {
 
 DBox cell_box(const FarTables& tables, FarCellId id) { return box_of_place(tables, tables.cells[index_of(id)].place); }
 
-Box near_box(const FarTables& tables, FarCellId id) {
-  const FarGridPlace found = grid_place_of(tables, tables.cells[index_of(id)].place);
+Box near_box(const FarTables& tables, FarCellId id) { return near_box(tables, tables.cells[index_of(id)].place); }
+
+Box near_box(const FarTables& tables, uint64_t place) {
+  const FarGridPlace found = grid_place_of(tables, place);
   const glm::dvec3 centre = tables.origin + (glm::dvec3(found.at) + 0.5) * found.grid.cell_m;
   return {glm::vec3(centre - found.grid.box_m / 2), glm::vec3(centre + found.grid.box_m / 2)};
 }

@@ -91,6 +91,7 @@ DBox box_of_place(const FarTables& tables, uint64_t place);
 DBox cell_box(const FarTables& tables, FarCellId id);
 /// Everything that meets it is drawn as geometry from the cell: what the cell's pictures leave out.
 Box near_box(const FarTables& tables, FarCellId id);
+Box near_box(const FarTables& tables, uint64_t place);
 /// The place of a point of model space, in the innermost shell; nullopt: beside the grid, or no number.
 std::optional<uint64_t> far_place_at(const FarTables& tables, const glm::dvec3& point);
 /// The cell at a place, at a point; nullopt: there is none.

@@ -41,7 +41,7 @@ class Divider {
     LeafShares shares(triangles, options_.chunk_triangles, options_.level_factor);
     shares.children = static_cast<uint32_t>(std::min<size_t>(shares.children, samples.size()));
     const auto branch = static_cast<uint32_t>(tree.branches.size());
-    tree.branches.emplace_back().cell = cell;
+    tree.branches.emplace_back();
     const uint32_t plane = divide(samples, cell, shares, 0, shares.children, branch);
     return {branch, plane};
   }

@@ -45,7 +45,6 @@ struct ChunkTree {
   /// A node above the chunks.
   struct Branch {
     std::vector<uint32_t> children;
-    Box cell;  ///< between the planes around it; unbounded at the model's edges
   };
   std::vector<Plane> planes;
   uint32_t first_plane = kChunk;

@@ -56,22 +56,31 @@ struct Surface {
   float alpha_cutoff;      ///< [0, 1]
 };
 
+/// Whole numbers of two or of four bytes: at most one of the two is there.
+struct Numbers {
+  const uint16_t* narrow;
+  const uint32_t* wide;
+};
+
+/// A vertex's normal as a point of an octahedron unfolded to a square, sixteen bits a side, x lowest; this one is none.
+constexpr uint32_t kNoNormal = 0x80008000U;
+constexpr int32_t kNormalScale = 32767;
+
 /// One mesh in one place.
 struct Item {
   const Block* blocks;
   const float *x, *y, *z;
   const uint8_t* corners[3];
-  const uint32_t* triangle_of;  ///< number in the mesh as given
+  Numbers triangle_of;  ///< number in the mesh as given
   uint32_t block_count;
   uint32_t first_id;  ///< id of the mesh's triangle 0
 
   // Attributes by the mesh's own numbering; shading and holes only.
-  const float* positions;  ///< x y z
-  const uint32_t* indices;
-  const float* normals;       ///< or null
-  const float* texcoords;     ///< or null
-  const uint32_t* colors;     ///< RGBA8, or null
-  const uint32_t* materials;  ///< or null
+  const uint32_t* vertices;  ///< records of vertex_words, or null; first the place of its position in x, y and z
+  uint32_t vertex_words;
+  uint32_t normal_at, color_at, texcoord_at;  ///< words into a record: packed normal, RGBA8, two floats; 0: none
+  Numbers indices;                            ///< three a triangle, of records
+  Numbers materials;                          ///< or none
   const Surface* surfaces;
   uint32_t surface_count;
 

@@ -36,6 +36,44 @@ PROMENADE_INLINE int32_t pixel_of(float subpixels, int32_t axis) {
   return (static_cast<int32_t>(max_of(-limit, min_of(limit, subpixels))) + axis) >> 8;
 }
 
+PROMENADE_INLINE bool any_of(const Numbers& numbers) { return numbers.narrow != nullptr || numbers.wide != nullptr; }
+PROMENADE_INLINE uint32_t number_at(const Numbers& numbers, uint64_t i) {
+  return numbers.narrow != nullptr ? numbers.narrow[i] : numbers.wide[i];
+}
+/// kLanes of them.
+PROMENADE_INLINE I numbers_at(const Numbers& numbers, uint64_t i) {
+  return numbers.narrow != nullptr ? load(numbers.narrow + i)
+                                   : load(reinterpret_cast<const int32_t*>(numbers.wide) + i);
+}
+
+PROMENADE_INLINE uint32_t material_of(const Item& item, uint64_t triangle) {
+  return any_of(item.materials) ? number_at(item.materials, triangle) : 0;
+}
+PROMENADE_INLINE const uint32_t* vertex_of(const Item& item, uint64_t corner) {
+  return item.vertices + static_cast<uint64_t>(number_at(item.indices, corner)) * item.vertex_words;
+}
+PROMENADE_INLINE void position_of(const Item& item, const uint32_t* vertex, float* p) {
+  p[0] = item.x[*vertex], p[1] = item.y[*vertex], p[2] = item.z[*vertex];
+}
+/// One of two floats.
+PROMENADE_INLINE float texcoord_of(const Item& item, const uint32_t* vertex, int axis) {
+  float out = 0;
+  __builtin_memcpy(&out, vertex + item.texcoord_at + axis, sizeof out);
+  return out;
+}
+/// Not unit; 0: the triangle's own.
+PROMENADE_INLINE void normal_of(const Item& item, const uint32_t* vertex, float* n) {
+  const uint32_t packed = vertex[item.normal_at];
+  n[0] = n[1] = n[2] = 0;
+  if (packed == kNoNormal) return;
+  const float x = static_cast<float>(static_cast<int16_t>(packed & 0xffffU)),
+              y = static_cast<float>(static_cast<int16_t>(packed >> 16));
+  n[2] = static_cast<float>(kNormalScale) - abs_of(x) - abs_of(y);
+  const float folded = n[2] < 0 ? n[2] : 0.0F;
+  n[0] = x >= 0 ? x + folded : x - folded;
+  n[1] = y >= 0 ? y + folded : y - folded;
+}
+
 struct ViewPoint {
   float x, y, w;
 };
@@ -729,9 +767,9 @@ template <Coverage C, bool kMasked>
 void draw_long_way(const Frame& f, const Item& item, const Block& block, Region& r, const BlockVertices& v,
                    uint32_t triangle, bool clipped, bool two_sided) {
   const uint32_t at = block.first_triangle + triangle;
-  const uint32_t id = item.first_id + item.triangle_of[at];
+  const uint32_t id = item.first_id + number_at(item.triangle_of, at);
   LazyMask mask(item);
-  if constexpr (kMasked) mask.begin(item.triangle_of[at]);
+  if constexpr (kMasked) mask.begin(number_at(item.triangle_of, at));
   Corner corners[3];
   ExactPoint points[3];
   for (int i = 0; i < 3; ++i) {
@@ -787,8 +825,7 @@ void draw_block(const Frame& frame, const Item& item, const Block& block, Region
     if (lanes == 0) continue;
     uint32_t small = set_up_small<C>(f, r, c, mask_of(lanes), two_sided, s);
     if (small == 0) continue;
-    const I ids =
-        load(reinterpret_cast<const int32_t*>(item.triangle_of) + at) + splat(static_cast<int32_t>(item.first_id));
+    const I ids = numbers_at(item.triangle_of, at) + splat(static_cast<int32_t>(item.first_id));
     store(s.id, ids);
     r.counts.triangles_drawn += static_cast<uint64_t>(__builtin_popcount(small));
     if constexpr (C == Coverage::center && !kMasked) small = draw_tiny(f, r, s, small);
@@ -828,8 +865,12 @@ PROMENADE_INLINE void ask_for_block(const Item& item, const Block& block) {
     const uint32_t at = block.first_vertex + i;
     __builtin_prefetch(item.x + at), __builtin_prefetch(item.y + at), __builtin_prefetch(item.z + at);
   }
-  for (uint32_t i = 0; i < block.triangle_count; i += kLine / sizeof(uint32_t))
-    __builtin_prefetch(item.triangle_of + block.first_triangle + i);
+  if (item.triangle_of.narrow != nullptr)
+    for (uint32_t i = 0; i < block.triangle_count; i += kLine / sizeof(uint16_t))
+      __builtin_prefetch(item.triangle_of.narrow + block.first_triangle + i);
+  else
+    for (uint32_t i = 0; i < block.triangle_count; i += kLine / sizeof(uint32_t))
+      __builtin_prefetch(item.triangle_of.wide + block.first_triangle + i);
   for (const uint8_t* corners : item.corners) __builtin_prefetch(corners + block.first_triangle);
 }
 

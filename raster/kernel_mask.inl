@@ -35,32 +35,33 @@ PROMENADE_INLINE bool linear_over(const ViewPoint* p, const double (*values)[3],
 }
 
 void set_up_mask(const Frame& f, const Item& item, uint32_t triangle, MaskTriangle& m) {
-  const uint32_t material = item.materials == nullptr ? 0 : item.materials[triangle];
   m.surface = nullptr;
-  if (item.indices == nullptr || item.surfaces == nullptr || material >= item.surface_count) return;
+  if (item.vertices == nullptr) return;
+  const uint32_t material = material_of(item, triangle);
+  if (item.surfaces == nullptr || material >= item.surface_count) return;
   const Surface& surface = item.surfaces[material];
   if (surface.alpha == 0) return;
   m.opacity = surface.color[3];
   m.axis_x = f.axis_x, m.axis_y = f.axis_y, m.orthographic = f.orthographic, m.screen_door = f.screen_door;
   m.door = (item.first_id >> 8) * 5U + material * 3U;
-  const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(triangle);
-  if (item.colors != nullptr) {
+  const uint32_t* vertex[3];
+  for (uint64_t i = 0; i < 3; ++i) vertex[i] = vertex_of(item, 3 * static_cast<uint64_t>(triangle) + i);
+  if (item.color_at != 0) {
     float sum = 0;
-    for (int i = 0; i < 3; ++i) sum += static_cast<float>(item.colors[index[i]] >> 24);
+    for (int i = 0; i < 3; ++i) sum += static_cast<float>(vertex[i][item.color_at] >> 24);
     m.opacity *= sum / (3.0F * 255.0F);
   }
   m.surface = &surface;
   m.texels_a_pixel = 0;
-  if (surface.texture == nullptr || surface.texture->opacity == nullptr || item.texcoords == nullptr) return;
+  if (surface.texture == nullptr || surface.texture->opacity == nullptr || item.texcoord_at == 0) return;
   ViewPoint p[3];
   double uv[2][3], solved[2][3] = {};
-  const float* at[3];
+  float at[3][3];
   for (int i = 0; i < 3; ++i) {
-    at[i] = item.positions + 3 * static_cast<uint64_t>(index[i]);
+    position_of(item, vertex[i], at[i]);
     p[i] = view_point(item, at[i][0], at[i][1], at[i][2]);
     if (f.orthographic) p[i].w = 1.0F;
-    uv[0][i] = item.texcoords[2 * static_cast<uint64_t>(index[i])];
-    uv[1][i] = item.texcoords[2 * static_cast<uint64_t>(index[i]) + 1];
+    for (int k = 0; k < 2; ++k) uv[k][i] = texcoord_of(item, vertex[i], k);
   }
   linear_over(p, uv, 2, solved);
   for (int k = 0; k < 3; ++k) m.u[k] = solved[0][k], m.v[k] = solved[1][k];

@@ -40,9 +40,9 @@ struct EdgeTriangle {
 /// The corners as seen from the pixel, so that little triangles keep their precision wherever they lie; sets w.
 PROMENADE_INLINE void corners_about(const Frame& f, const Item& item, uint32_t triangle, float x, float y, ViewPoint* p,
                                     float* depth) {
-  const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(triangle);
   for (int i = 0; i < 3; ++i) {
-    const float* at = item.positions + 3 * static_cast<uint64_t>(index[i]);
+    float at[3];
+    position_of(item, vertex_of(item, 3 * static_cast<uint64_t>(triangle) + static_cast<uint64_t>(i)), at);
     p[i] = view_point(item, at[0], at[1], at[2]);
     depth[i] = f.orthographic ? -p[i].w : 1.0F;
     if (f.orthographic) p[i].w = 1.0F;
@@ -55,9 +55,9 @@ void set_up_edge_triangle(const Frame& f, const Shading& s, uint32_t id, int32_t
                           MaskTriangle& mask) {
   e.id = id, e.px = px, e.x = x, e.y = y, e.usable = false, e.holes = false;
   const Item& item = s.items[s.item_of_run[id >> s.run_bits]];
-  if (item.indices == nullptr || item.fading) return;
+  if (item.vertices == nullptr || item.fading) return;
   const uint32_t triangle = id - item.first_id;
-  const uint32_t material = item.materials == nullptr ? 0 : item.materials[triangle];
+  const uint32_t material = material_of(item, triangle);
   if (item.surfaces != nullptr && material < item.surface_count && item.surfaces[material].alpha != 0) {
     if (item.surfaces[material].alpha != 1) return;  // seen through
     set_up_mask(f, item, triangle, mask);
@@ -366,20 +366,10 @@ struct WaitingPixels {
 
   void ask_for_wanted(const Shading& s, int found) const {
     const auto item_of = [&](int i) -> const Item& { return s.items[s.item_of_run[wanted[i] >> s.run_bits]]; };
-    for (int i = 0; i < found; ++i) ask_for(&item_of(i).indices);
-    for (int i = 0; i < found; ++i) {
-      const Item& item = item_of(i);
-      if (item.indices == nullptr) continue;
-      const uint64_t triangle = wanted[i] - item.first_id;
-      ask_for(item.indices + 3 * triangle);
-      if (item.materials != nullptr) ask_for(item.materials + triangle);
-    }
-    for (int i = 0; i < found; ++i) {
-      const Item& item = item_of(i);
-      if (item.indices == nullptr) continue;
-      const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(wanted[i] - item.first_id);
-      for (int k = 0; k < 3; ++k) ask_for(item.positions + 3 * static_cast<uint64_t>(index[k]));
-    }
+    for (int i = 0; i < found; ++i) ask_for(&item_of(i).vertices);
+    for (int i = 0; i < found; ++i) ask_for_triangle(item_of(i), wanted[i]);
+    for (int i = 0; i < found; ++i) ask_for_vertices(item_of(i), wanted[i]);
+    for (int i = 0; i < found; ++i) ask_for_positions(item_of(i), wanted[i]);
   }
 
   void smooth(const Frame& f, const Shading& s, uint32_t* out, EdgeTriangles& triangles) {

@@ -89,27 +89,40 @@ PROMENADE_INLINE void ask_for(const T* p) {
   static_cast<void>(*const_cast<const volatile T*>(p));
 }
 
+PROMENADE_INLINE const Item& item_of(const Shading& s, uint32_t id) { return s.items[s.item_of_run[id >> s.run_bits]]; }
+
+PROMENADE_INLINE void ask_for(const Numbers& numbers, uint64_t i) {
+  if (numbers.narrow != nullptr)
+    ask_for(numbers.narrow + i);
+  else if (numbers.wide != nullptr)
+    ask_for(numbers.wide + i);
+}
+PROMENADE_INLINE void ask_for_triangle(const Item& item, uint32_t id) {
+  if (item.vertices == nullptr) return;
+  const uint64_t triangle = id - item.first_id;
+  ask_for(item.indices, 3 * triangle);
+  ask_for(item.materials, triangle);
+}
+PROMENADE_INLINE void ask_for_vertices(const Item& item, uint32_t id) {
+  if (item.vertices == nullptr) return;
+  for (uint64_t i = 0; i < 3; ++i) ask_for(vertex_of(item, 3 * static_cast<uint64_t>(id - item.first_id) + i));
+}
+/// A triangle's corners lie in one block.
+PROMENADE_INLINE void ask_for_positions(const Item& item, uint32_t id) {
+  if (item.vertices == nullptr) return;
+  const uint32_t place = *vertex_of(item, 3 * static_cast<uint64_t>(id - item.first_id));
+  ask_for(item.x + place), ask_for(item.y + place), ask_for(item.z + place);
+}
+
 /// Ask for what fetch_triangle will read of all triangles at once, because they lie anywhere in memory: first for their
-/// corners' numbers, then for what these name.
+/// corners' numbers, then for the vertices that these name, then for where they lie.
 void ask_for_triangles(const Shading& s, const Span& span) {
-  for (int32_t k = 0; k < span.count; ++k) ask_for(&s.items[s.item_of_run[span.id[k] >> s.run_bits]].indices);
-  for (int32_t k = 0; k < span.count; ++k) {
-    const Item& item = s.items[s.item_of_run[span.id[k] >> s.run_bits]];
-    if (item.indices == nullptr) continue;
-    const uint64_t triangle = span.id[k] - item.first_id;
-    ask_for(item.indices + 3 * triangle);
-    if (item.materials != nullptr) ask_for(item.materials + triangle);
-  }
+  for (int32_t k = 0; k < span.count; ++k) ask_for(&item_of(s, span.id[k]).vertices);
+  for (int32_t k = 0; k < span.count; ++k) ask_for_triangle(item_of(s, span.id[k]), span.id[k]);
 }
 void ask_for_corners(const Shading& s, const Span& span) {
-  for (int32_t k = 0; k < span.count; ++k) {
-    const Item& item = s.items[s.item_of_run[span.id[k] >> s.run_bits]];
-    if (item.indices == nullptr) continue;
-    const uint32_t* index = item.indices + 3 * static_cast<uint64_t>(span.id[k] - item.first_id);
-    for (int i = 0; i < 3; ++i) ask_for(item.positions + 3 * static_cast<uint64_t>(index[i]));
-    if (item.texcoords != nullptr) ask_for(item.texcoords + 2 * static_cast<uint64_t>(index[0]));
-    if (item.normals != nullptr) ask_for(item.normals + 3 * static_cast<uint64_t>(index[0]));
-  }
+  for (int32_t k = 0; k < span.count; ++k) ask_for_vertices(item_of(s, span.id[k]), span.id[k]);
+  for (int32_t k = 0; k < span.count; ++k) ask_for_positions(item_of(s, span.id[k]), span.id[k]);
 }
 
 float number_of_surface(SpanTriangles& t, const Surface* surface) {
@@ -120,15 +133,15 @@ float number_of_surface(SpanTriangles& t, const Surface* surface) {
 }
 
 /// Colours and normals of a triangle whose corners differ; `color` holds the material's.
-void fetch_corners(const Shading& s, const Item& item, const uint32_t* index, SpanTriangles& t, int32_t k) {
+void fetch_corners(const Shading& s, const Item& item, const uint32_t* const* vertex, SpanTriangles& t, int32_t k) {
   const float material[3] = {t.color[0][0][k], t.color[0][1][k], t.color[0][2][k]};
   for (int v = 0; v < 3; ++v) {
-    const uint64_t at = index[v];
     for (int c = 0; c < 3; ++c)
       t.color[v][c][k] =
-          item.colors != nullptr ? material[c] * s.linear_of_srgb[item.colors[at] >> (8 * c) & 255U] : material[c];
-    if (item.normals == nullptr) continue;
-    const float* n = item.normals + 3 * at;
+          item.color_at != 0 ? material[c] * s.linear_of_srgb[vertex[v][item.color_at] >> (8 * c) & 255U] : material[c];
+    if (item.normal_at == 0) continue;
+    float n[3];
+    normal_of(item, vertex[v], n);
     if (n[0] != 0 || n[1] != 0 || n[2] != 0) t.smooth[k] = 1;
     for (int c = 0; c < 3; ++c)
       t.normal[v][c][k] =
@@ -139,11 +152,11 @@ void fetch_corners(const Shading& s, const Item& item, const uint32_t* index, Sp
 
 /// Brings one triangle's corners into the span's arrays; false: its corners' colours may differ.
 PROMENADE_INLINE bool fetch_triangle(const Shading& s, uint32_t id, SpanTriangles& t, int32_t k) {
-  const Item& item = s.items[s.item_of_run[id >> s.run_bits]];
+  const Item& item = item_of(s, id);
   const uint64_t triangle = id - item.first_id;
   t.texture[k] = -1, t.smooth[k] = 0;
-  const bool bare = item.indices == nullptr;
-  const uint32_t material = bare || item.materials == nullptr ? 0 : item.materials[triangle];
+  const bool bare = item.vertices == nullptr;
+  const uint32_t material = bare ? 0 : material_of(item, triangle);
   const Surface* surface =
       item.surfaces != nullptr && material < item.surface_count ? item.surfaces + material : nullptr;
   for (int c = 0; c < 3; ++c) t.color[0][c][k] = surface == nullptr ? 1.0F : surface->color[c];
@@ -152,22 +165,21 @@ PROMENADE_INLINE bool fetch_triangle(const Shading& s, uint32_t id, SpanTriangle
       for (int c = 0; c < 3; ++c) t.p[v][c][k] = item.placed ? item.model_rows[c][3] : 0;
     return true;
   }
-  const uint32_t* index = item.indices + 3 * triangle;
+  const uint32_t* vertex[3];
   for (int v = 0; v < 3; ++v) {
-    const float* at = item.positions + 3 * static_cast<uint64_t>(index[v]);
-    float p[3] = {at[0], at[1], at[2]};
+    vertex[v] = vertex_of(item, 3 * triangle + static_cast<uint64_t>(v));
+    float p[3];
+    position_of(item, vertex[v], p);
     if (item.placed) to_model(item, p);
     for (int c = 0; c < 3; ++c) t.p[v][c][k] = p[c];
   }
-  if (s.has_textures && surface != nullptr && surface->texture != nullptr && item.texcoords != nullptr) {
+  if (s.has_textures && surface != nullptr && surface->texture != nullptr && item.texcoord_at != 0) {
     t.texture[k] = number_of_surface(t, surface);
-    for (int v = 0; v < 3; ++v) {
-      const float* at = item.texcoords + 2 * static_cast<uint64_t>(index[v]);
-      t.uv[v][0][k] = at[0], t.uv[v][1][k] = at[1];
-    }
+    for (int v = 0; v < 3; ++v)
+      for (int c = 0; c < 2; ++c) t.uv[v][c][k] = texcoord_of(item, vertex[v], c);
   }
-  if (item.normals == nullptr && item.colors == nullptr) return true;
-  fetch_corners(s, item, index, t, k);
+  if (item.normal_at == 0 && item.color_at == 0) return true;
+  fetch_corners(s, item, vertex, t, k);
   return false;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <utility>
 
 namespace promenade {
 
@@ -16,6 +17,7 @@ using raster_kernel::kLanePadding;
 
 constexpr size_t kAim = 64;  // triangles a block: four full registers, and about 45 vertices in a closed surface
 constexpr uint32_t kNone = 0xffffffffU;
+constexpr uint32_t kMostNarrow = 0x10000;  // numbers below it take two bytes
 
 /// A triangle as the partition sees it: where it lies, which way it faces, how it must be drawn.
 struct Piece {
@@ -55,7 +57,7 @@ uint8_t flags_of(const Mesh& mesh, std::span<const Material> materials, size_t t
 class Cutter {
  public:
   Cutter(const Mesh& mesh, const std::vector<uint32_t>& weld, PreparedMesh& out)
-      : mesh_(mesh), weld_(weld), out_(out), slot_of_(mesh.vertex_count(), kNone) {}
+      : mesh_(mesh), weld_(weld), out_(out), slot_of_(mesh.vertex_count(), kNone), place_of_(mesh.vertex_count(), 0) {}
 
   void cut(std::span<Piece> pieces) {
     if (pieces.size() <= kAim && fits(pieces)) return emit(pieces);
@@ -76,6 +78,10 @@ class Cutter {
     cut(pieces.subspan(half));
   }
 
+  const std::vector<uint32_t>& triangle_of() const { return triangle_of_; }  ///< number in the mesh as given
+  /// Where a welded vertex' position lies in the blocks, in one of them; 0 where none has it.
+  const std::vector<uint32_t>& place_of() const { return place_of_; }
+
  private:
   /// Whether the pieces use at most kBlockVertices places.
   bool fits(std::span<const Piece> pieces) {
@@ -94,7 +100,7 @@ class Cutter {
     std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.triangle < b.triangle; });
     Block block = {};
     block.first_vertex = static_cast<uint32_t>(out_.x.size());
-    block.first_triangle = static_cast<uint32_t>(out_.triangle_of.size());
+    block.first_triangle = static_cast<uint32_t>(triangle_of_.size());
     block.triangle_count = static_cast<uint16_t>(pieces.size());
     block.flags = pieces[0].flags;
     used_.clear();
@@ -105,12 +111,13 @@ class Cutter {
         if (slot_of_[v] == kNone) {
           slot_of_[v] = static_cast<uint32_t>(used_.size());
           used_.push_back(v);
+          place_of_[v] = static_cast<uint32_t>(out_.x.size());
           add_vertex(mesh_.positions[v]);
           box.add(mesh_.positions[v]);
         }
         out_.corners[c].push_back(static_cast<uint8_t>(slot_of_[v]));
       }
-      out_.triangle_of.push_back(p.triangle);
+      triangle_of_.push_back(p.triangle);
     }
     block.vertex_count = static_cast<uint16_t>(used_.size());
     for (const uint32_t v : used_) slot_of_[v] = kNone;
@@ -125,9 +132,9 @@ class Cutter {
   /// Fills up to whole registers: the last vertex again, triangles without area.
   void pad() {
     while (out_.x.size() % kLanePadding != 0) add_vertex({out_.x.back(), out_.y.back(), out_.z.back()});
-    while (out_.triangle_of.size() % kLanePadding != 0) {
+    while (triangle_of_.size() % kLanePadding != 0) {
       for (std::vector<uint8_t>& c : out_.corners) c.push_back(0);
-      out_.triangle_of.push_back(0);
+      triangle_of_.push_back(0);
     }
   }
 
@@ -166,7 +173,40 @@ class Cutter {
   PreparedMesh& out_;
   std::vector<uint32_t> slot_of_;
   std::vector<uint32_t> used_;
+  std::vector<uint32_t> triangle_of_, place_of_;
 };
+
+/// Rounded to the nearest place on the octahedron; a normal of length 0 has a code of its own.
+uint32_t packed_normal(const glm::vec3& normal) {
+  const float sum = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+  if (!(sum > 0)) return raster_kernel::kNoNormal;
+  glm::vec2 at = glm::vec2(normal) / sum;
+  if (normal.z < 0)
+    at = {(1 - std::abs(at.y)) * (at.x >= 0 ? 1.0F : -1.0F), (1 - std::abs(at.x)) * (at.y >= 0 ? 1.0F : -1.0F)};
+  const auto word = [](float a) {
+    const float scaled = std::round(std::clamp(a, -1.0F, 1.0F) * float(raster_kernel::kNormalScale));
+    return uint32_t(static_cast<uint16_t>(static_cast<int16_t>(scaled)));
+  };
+  return word(at.x) | word(at.y) << 16;
+}
+
+PreparedAttributes attributes_of(const Mesh& mesh, const std::vector<uint32_t>& weld,
+                                 const std::vector<uint32_t>& place_of) {
+  PreparedAttributes out;
+  if (!mesh.normals.empty()) out.normal_at = std::exchange(out.words, out.words + 1);
+  if (!mesh.colors.empty()) out.color_at = std::exchange(out.words, out.words + 1);
+  if (!mesh.texcoords.empty()) out.texcoord_at = std::exchange(out.words, out.words + 2);
+  out.vertices.reserve(mesh.vertex_count() * out.words);
+  for (size_t v = 0; v < mesh.vertex_count(); ++v) {
+    out.vertices.push_back(place_of[weld[v]]);
+    if (out.normal_at != 0) out.vertices.push_back(packed_normal(mesh.normals[v]));
+    if (out.color_at != 0) out.vertices.push_back(std::bit_cast<uint32_t>(mesh.colors[v]));
+    if (out.texcoord_at != 0)
+      for (int axis = 0; axis < 2; ++axis) out.vertices.push_back(std::bit_cast<uint32_t>(mesh.texcoords[v][axis]));
+  }
+  out.indices = PackedNumbers(mesh.indices), out.materials = PackedNumbers(mesh.materials);
+  return out;
+}
 
 /// The triangles with an area, grouped by how they must be drawn.
 std::vector<Piece> pieces_of(const Mesh& mesh, std::span<const Material> materials, const Box& box, bool attributes) {
@@ -201,8 +241,12 @@ uint64_t prepared_bytes_bound(uint64_t vertices, uint64_t triangles) {
   const uint64_t blocks = triangles / 16 + kWays;
   const uint64_t block_vertices = std::min(3 * triangles, blocks * kBlockVertices) + blocks * kPadding;
   const uint64_t block_triangles = triangles + blocks * kPadding;
-  const uint64_t attributes = vertices * (3 + 3 + 2 + 1) * sizeof(float) + triangles * 4 * sizeof(uint32_t);
-  return blocks * sizeof(Block) + block_vertices * 3 * sizeof(float) + block_triangles * (3 + sizeof(uint32_t)) +
+  const auto number_bytes = [](uint64_t numbers) {
+    return numbers <= kMostNarrow ? sizeof(uint16_t) : sizeof(uint32_t);
+  };
+  const uint64_t attributes = vertices * (1 + 1 + 1 + 2) * sizeof(uint32_t) +
+                              triangles * (3 * number_bytes(vertices) + sizeof(uint32_t));  // any material may come
+  return blocks * sizeof(Block) + block_vertices * 3 * sizeof(float) + block_triangles * (3 + number_bytes(triangles)) +
          attributes;
 }
 
@@ -213,7 +257,14 @@ bool has_blended(const PreparedMesh& mesh) {
 
 uint64_t PreparedMesh::byte_size() const {
   return blocks.size() * sizeof(Block) + (x.size() + y.size() + z.size()) * sizeof(float) + 3 * corners[0].size() +
-         triangle_of.size() * sizeof(uint32_t) + promenade::byte_size(attributes);
+         triangle_of.byte_size() + attributes.byte_size();
+}
+
+PackedNumbers::PackedNumbers(std::span<const uint32_t> numbers) {
+  if (std::all_of(numbers.begin(), numbers.end(), [](uint32_t n) { return n < kMostNarrow; }))
+    narrow_.assign(numbers.begin(), numbers.end());
+  else
+    wide_.assign(numbers.begin(), numbers.end());
 }
 
 Result<PreparedMesh> prepare(const Mesh& mesh, std::span<const Material> materials, const PrepareOptions& options) {
@@ -235,7 +286,10 @@ Result<PreparedMesh> prepare(const Mesh& mesh, std::span<const Material> materia
     first = last;
   }
   for (std::vector<float>* v : {&out.x, &out.y, &out.z}) v->shrink_to_fit();
-  if (options.attributes) out.attributes = mesh;
+  for (std::vector<uint8_t>& corner : out.corners) corner.shrink_to_fit();
+  out.blocks.shrink_to_fit();
+  out.triangle_of = PackedNumbers(cutter.triangle_of());
+  if (options.attributes) out.attributes = attributes_of(mesh, weld, cutter.place_of());
   return out;
 }
 

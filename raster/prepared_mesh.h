@@ -20,6 +20,35 @@ struct PrepareOptions {
   bool attributes = true;
 };
 
+/// Whole numbers in two bytes each where all of them fit, else in four.
+class PackedNumbers {
+ public:
+  PackedNumbers() = default;
+  explicit PackedNumbers(std::span<const uint32_t> numbers);
+  raster_kernel::Numbers view() const {
+    return {narrow_.empty() ? nullptr : narrow_.data(), wide_.empty() ? nullptr : wide_.data()};
+  }
+  uint64_t byte_size() const { return narrow_.size() * sizeof(uint16_t) + wide_.size() * sizeof(uint32_t); }
+
+ private:
+  std::vector<uint16_t> narrow_;
+  std::vector<uint32_t> wide_;
+};
+
+/// What shading and holes need of a mesh, by its own numbering.
+struct PreparedAttributes {
+  /// Records of `words`: the place of the vertex' position among the blocks', and what it has of a normal (packed, see
+  /// raster_kernel::kNoNormal), a colour (RGBA8) and two texture coordinates (floats).
+  std::vector<uint32_t> vertices;
+  uint32_t words = 1;
+  uint32_t normal_at = 0, color_at = 0, texcoord_at = 0;  ///< words into a record; 0: vertices have none
+  PackedNumbers indices;                                  ///< 3 a triangle
+  PackedNumbers materials;                                ///< 1 a triangle, or empty: 0 throughout
+  uint64_t byte_size() const {
+    return vertices.size() * sizeof(uint32_t) + indices.byte_size() + materials.byte_size();
+  }
+};
+
 /// A mesh cut into blocks of up to 64 vertices and 128 triangles that lie close together and face alike, positions in
 /// separate arrays a coordinate. Constant once made; any thread may draw it. Holds all that it needs of the mesh.
 struct PreparedMesh {
@@ -27,9 +56,9 @@ struct PreparedMesh {
   std::vector<raster_kernel::Block> blocks;
   std::vector<float> x, y, z;                   ///< vertices of the blocks
   std::array<std::vector<uint8_t>, 3> corners;  ///< of the blocks' triangles
-  std::vector<uint32_t> triangle_of;            ///< number in the mesh as given
+  PackedNumbers triangle_of;                    ///< number in the mesh as given
   uint32_t triangle_count = 0;                  ///< of the mesh as given
-  Mesh attributes;                              ///< as given; without PrepareOptions::attributes empty
+  PreparedAttributes attributes;                ///< without PrepareOptions::attributes empty
 
   uint64_t byte_size() const;
 };

@@ -24,6 +24,9 @@ PROMENADE_INLINE F splat(float a) { return {_mm512_set1_ps(a)}; }
 PROMENADE_INLINE I splat(int32_t a) { return {_mm512_set1_epi32(a)}; }
 PROMENADE_INLINE F load(const float* p) { return {_mm512_loadu_ps(p)}; }
 PROMENADE_INLINE I load(const int32_t* p) { return {_mm512_loadu_si512(p)}; }
+PROMENADE_INLINE I load(const uint16_t* p) {
+  return {_mm512_cvtepu16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)))};
+}
 PROMENADE_INLINE I load(const uint8_t* p) {
   return {_mm512_cvtepu8_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)))};
 }

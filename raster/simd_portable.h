@@ -38,6 +38,7 @@ PROMENADE_INLINE I load(const int32_t* p) {
   __builtin_memcpy(&r, p, sizeof r);
   return r;
 }
+PROMENADE_INLINE I load(const uint16_t* p) { return {IntBits{p[0], p[1], p[2], p[3]}}; }
 PROMENADE_INLINE I load(const uint8_t* p) { return {IntBits{p[0], p[1], p[2], p[3]}}; }
 PROMENADE_INLINE void store(float* p, F a) { __builtin_memcpy(p, &a, sizeof a); }
 PROMENADE_INLINE void store(int32_t* p, I a) { __builtin_memcpy(p, &a, sizeof a); }

@@ -69,14 +69,11 @@ Frame frame_of(const RasterView& view, const VisibilityOptions& options) {
 }
 
 void set_attributes(Item& item, const RasterItem& drawn) {
-  const Mesh& mesh = drawn.mesh->attributes;
-  if (mesh.indices.empty()) return;
-  item.positions = &mesh.positions[0].x;
-  item.indices = mesh.indices.data();
-  item.normals = mesh.normals.empty() ? nullptr : &mesh.normals[0].x;
-  item.texcoords = mesh.texcoords.empty() ? nullptr : &mesh.texcoords[0].x;
-  item.colors = mesh.colors.empty() ? nullptr : reinterpret_cast<const uint32_t*>(mesh.colors.data());
-  item.materials = mesh.materials.empty() ? nullptr : mesh.materials.data();
+  const PreparedAttributes& mesh = drawn.mesh->attributes;
+  if (mesh.vertices.empty()) return;
+  item.vertices = mesh.vertices.data(), item.vertex_words = mesh.words;
+  item.normal_at = mesh.normal_at, item.color_at = mesh.color_at, item.texcoord_at = mesh.texcoord_at;
+  item.indices = mesh.indices.view(), item.materials = mesh.materials.view();
   if (drawn.surfaces == nullptr) return;
   item.surfaces = drawn.surfaces->surfaces().data();
   item.surface_count = static_cast<uint32_t>(drawn.surfaces->surfaces().size());
@@ -121,7 +118,7 @@ Item item_of(const RasterItem& drawn, const RasterView& view) {
   item.block_count = static_cast<uint32_t>(mesh.blocks.size());
   item.x = mesh.x.data(), item.y = mesh.y.data(), item.z = mesh.z.data();
   for (size_t c = 0; c < 3; ++c) item.corners[c] = mesh.corners[c].data();
-  item.triangle_of = mesh.triangle_of.data();
+  item.triangle_of = mesh.triangle_of.view();
   set_attributes(item, drawn);
   set_transform(item, view, drawn.model_from_mesh);
   item.fade_from = drawn.fade_from, item.fade_to = drawn.fade_to;

@@ -28,8 +28,7 @@ class FarFollower {
   std::vector<FarCellId> wanted(const glm::dvec3& eye, const glm::dvec3& velocity_m_per_s) const;
 
   /// Decides for a frame. ready(FarCellId): whether a cell's picture may be drawn, with those around it. frames: how
-  /// long a fade takes; 0:
-  /// none.
+  /// long a fade takes; 0: none.
   template <class Ready>
   void follow(const glm::dvec3& eye, uint32_t frames, Ready&& ready);
 
@@ -37,10 +36,8 @@ class FarFollower {
   std::span<const Box> near() const { return near_; }           ///< one a layer: what is drawn as geometry
   std::optional<FarCellId> cell() const { return cell_; }       ///< the eye's; nullopt: outside
   std::optional<FarCellId> shown() const { return shown_; }     ///< whose picture is drawn; nullopt: geometry alone
-  bool is_late() const {
-    return late_;
-  }  ///< the eye's cell has a picture, and the last one's is drawn instead: off by at most
-     ///< twice the bound, about
+  /// The eye's cell has a picture, and the last one's is drawn instead: off by at most twice the bound, about.
+  bool is_late() const { return late_; }
   bool is_missing() const { return missing_; }  ///< the eye's cell has a picture, and geometry is drawn instead
 
  private:

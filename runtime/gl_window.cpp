@@ -44,6 +44,11 @@ class GlfwWindow final : public GlWindow {
   GLFWwindow* handle() const override { return window_; }
   uint32_t width_px() const override { return size().first; }
   uint32_t height_px() const override { return size().second; }
+  float scale() const override {
+    float x = 1, y = 1;
+    glfwGetWindowContentScale(window_, &x, &y);
+    return x > 0 ? x : 1;
+  }
   bool closing() const override { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
   void swap_and_poll() override {
     glfwSwapBuffers(window_);

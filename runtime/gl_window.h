@@ -16,6 +16,7 @@ class GlWindow : public GlContext {
   virtual GLFWwindow* handle() const = 0;
   virtual uint32_t width_px() const = 0;  ///< of the framebuffer
   virtual uint32_t height_px() const = 0;
+  virtual float scale() const = 0;  ///< of letters and lines: 2 where the display's pixels are half as large as usual
   virtual bool closing() const = 0;
   /// Shows what was drawn and takes in events; waits for the display where it can.
   virtual void swap_and_poll() = 0;

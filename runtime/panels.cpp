@@ -6,12 +6,15 @@
 
 #include <cmath>
 
+#include "runtime/panel_look.h"
+
 namespace promenade {
 
 Panels::Panels(GlWindow& window) : gl_(window.functions()) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // leave no file behind
+  set_panel_look(window.scale());
   ImGui_ImplGlfw_InitForOpenGL(window.handle(), true);
   ImGui_ImplOpenGL3_Init("#version 330 core");
 }

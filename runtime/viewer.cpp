@@ -17,6 +17,7 @@
 #include "layout/file_io.h"
 #include "runtime/gl_window.h"
 #include "runtime/motion.h"
+#include "runtime/notices.h"
 #include "runtime/panels.h"
 #include "runtime/self_motion.h"
 #include "runtime/surroundings.h"
@@ -42,6 +43,7 @@ constexpr double kWalkSpeed = 1.4;  // m/s
 constexpr double kBeforeM = 2;
 constexpr double kFirstBirdM = 120, kBirdStep = 1.2;
 constexpr int kBookmarks = 9;
+constexpr float kPanelLetters = 25;  // of the panel's width, in heights of letters
 /// What a walker's surroundings may take of the memory bound.
 uint64_t surroundings_bytes(uint64_t memory_bytes) { return std::min(uint64_t(32) << 20, memory_bytes / 8); }
 
@@ -105,6 +107,7 @@ class Viewer {
   Status stop_recording();
   void write_files(double now_s);
   void draw_panel(const FrameRow& row);
+  void draw_place(const FrameRow& row);
   void keep_settings();
 
   const ModelSource& source_;
@@ -133,7 +136,7 @@ class Viewer {
   FramePlots plots_;
   FrameRow row_;                                 ///< of the frame shown last
   double total_ms_ = 0, response_total_ms_ = 0;  ///< of all frames
-  std::string message_;
+  Notices notices_;
   ViewerReport report_;
 };
 
@@ -190,7 +193,7 @@ void Viewer::read_keys(double dt_s) {
   if (pressed(GLFW_KEY_B)) bird_ = !bird_;
   if (pressed(GLFW_KEY_T)) playing_ = !playing_;
   if (pressed(GLFW_KEY_V)) boxes_ = static_cast<BoxColors>((static_cast<int>(boxes_) + 1) % 5);
-  if (pressed(GLFW_KEY_N)) message_ = show_next_style(session_, source_, brute_from_);
+  if (pressed(GLFW_KEY_N)) notices_.say(show_next_style(session_, source_, brute_from_));
   if (pressed(GLFW_KEY_H)) panel_ = !panel_;
   if (pressed(GLFW_KEY_HOME)) by_itself_.glide(camera_.pose, home_);
   if (pressed(GLFW_KEY_L)) {
@@ -199,7 +202,7 @@ void Viewer::read_keys(double dt_s) {
     else if (!recorded_.keys.empty())
       by_itself_.replay(recorded_);
     else
-      message_ = "no path to replay: record one with R, or start with --path";
+      notices_.say("no path to replay: record one with R, or start with --path");
   }
   read_bookmark_keys();
   if (pressed(GLFW_KEY_ESCAPE)) glfwSetWindowShouldClose(handle, GLFW_TRUE);
@@ -213,12 +216,12 @@ void Viewer::read_bookmark_keys() {
     if (!pressed(GLFW_KEY_0 + number)) continue;
     if (set) {
       settings_.bookmarks[number] = camera_.pose;
-      message_ = fmt::format("bookmark {} set", number);
+      notices_.say(fmt::format("bookmark {} set", number));
       keep_settings();
     } else if (const auto found = settings_.bookmarks.find(number); found != settings_.bookmarks.end()) {
       by_itself_.glide(camera_.pose, found->second);
     } else {
-      message_ = fmt::format("no bookmark {}: Control + {} sets it", number, number);
+      notices_.say(fmt::format("no bookmark {}: Control + {} sets it", number, number));
     }
   }
 }
@@ -278,7 +281,7 @@ Status Viewer::stop_recording() {
   recorded_ = std::exchange(path_, CameraPath());
   const fs::path name = free_name(options_.folder, "path", "json");
   PROMENADE_TRY(write_file(name, to_json(recorded_)));
-  message_ = "wrote " + name.string();
+  notices_.say("wrote " + name.lexically_normal().string());
   report_.paths.push_back(name);
   return Done{};
 }
@@ -313,7 +316,7 @@ Status Viewer::screenshot() {
   if (!png) return png.error();
   const fs::path name = free_name(options_.folder, "view", "png");
   PROMENADE_TRY(write_file(name, *png));
-  message_ = "wrote " + name.string();
+  notices_.say("wrote " + name.lexically_normal().string());
   report_.screenshots.push_back(name);
   return Done{};
 }
@@ -321,12 +324,12 @@ Status Viewer::screenshot() {
 /// A picture or path that cannot be written ends nothing: the panel says why.
 void Viewer::write_files(double now_s) {
   if (pressed(GLFW_KEY_P))
-    if (const Status status = screenshot(); !status) message_ = status.error().message;
+    if (const Status status = screenshot(); !status) notices_.say(status.error().message);
   if (pressed(GLFW_KEY_R)) {
     if (!recording_)
       recording_ = true;
     else if (const Status status = stop_recording(); !status)
-      message_ = status.error().message;
+      notices_.say(status.error().message);
   }
   record(now_s);
 }
@@ -339,20 +342,36 @@ void Viewer::keep_settings() {
   settings_.pixel_error = select.pixel_error, settings_.target_ms = select.time.target_ms;
   if (options_.settings_file.empty()) return;
   const Status status = write_viewer_settings(settings_, options_.settings_file, options_.model_name);
-  if (!status) message_ = status.error().message;
+  if (!status) notices_.say(status.error().message);
 }
 
 void Viewer::draw_panel(const FrameRow& row) {
+  const float letter = ImGui::GetFontSize();
   ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({364, 0}, ImGuiCond_FirstUseEver);
-  ImGui::Begin("Promenade (H hides)");
-  plots_.draw(session_, session_.select_options().time.target_ms, options_.session.loader.memory_bytes);
+  // As high as what is in it, but within the window.
+  ImGui::SetNextWindowSizeConstraints({kPanelLetters * letter, 0},
+                                      {kPanelLetters * letter, std::max(ImGui::GetIO().DisplaySize.y - 16, letter)});
+  ImGui::Begin("Promenade", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  plots_.draw_plots(session_.select_options().time.target_ms, options_.session.loader.memory_bytes);
+  if (ImGui::CollapsingHeader("Frame")) plots_.draw_figures(session_);
+  if (ImGui::CollapsingHeader("Place", ImGuiTreeNodeFlags_DefaultOpen)) draw_place(row);
+  if (ImGui::CollapsingHeader("Drawing", ImGuiTreeNodeFlags_DefaultOpen)) {
+    draw_box_colors_setting(boxes_);
+    draw_settings(session_);
+  }
+  if (ImGui::CollapsingHeader("Keys", ImGuiTreeNodeFlags_DefaultOpen)) draw_keys();
+  ImGui::End();
+}
+
+void Viewer::draw_place(const FrameRow& row) {
   const Pose& p = camera_.pose;
-  ImGui::Text("eye %.2f %.2f %.2f\nyaw %.1f  pitch %.1f  roll %.1f", p.eye.x, p.eye.y, p.eye.z, p.yaw_deg, p.pitch_deg,
-              p.roll_deg);
-  ImGui::Text("cell %s  %s  %.2f m/s%s%s", row.cell ? fmt::format("{}", index_of(*row.cell)).c_str() : "none",
-              on_foot_ ? "on foot" : "flying", speed_m_per_s_, recording_ ? "  RECORDING" : "",
-              by_itself_.replaying() ? "  REPLAY" : "");
+  {
+    const FigureTable table("##place");
+    table.row("eye", fmt::format("{:.2f}, {:.2f}, {:.2f} m", p.eye.x, p.eye.y, p.eye.z));
+    table.row("yaw, pitch, roll", fmt::format("{:.1f}, {:.1f}, {:.1f} degrees", p.yaw_deg, p.pitch_deg, p.roll_deg));
+    table.row("speed", fmt::format("{:.1f} m/s", speed_m_per_s_));
+    table.row("view cell", row.cell ? fmt::format("{}", index_of(*row.cell)) : "none");
+  }
   ImGui::Checkbox("walk", &on_foot_);
   ImGui::SameLine();
   ImGui::Checkbox("bird's eye", &bird_);
@@ -360,19 +379,6 @@ void Viewer::draw_panel(const FrameRow& row) {
     ImGui::SameLine();
     ImGui::Checkbox(fmt::format("moving ({:.1f} s)###moving", time_s_).c_str(), &playing_);
   }
-  draw_box_colors_setting(boxes_);
-  draw_settings(session_);
-  if (!message_.empty()) ImGui::TextUnformatted(message_.c_str());
-  ImGui::PushTextWrapPos();
-  ImGui::TextDisabled(
-      "drag: look   double click: go there   WASD, arrows, space, C: move   G: walk or fly   Q E: roll   wheel: speed  "
-      " "
-      "F: straighten   Home: back to the start   1-9: bookmark, Ctrl + 1-9: set it   B: bird's eye (wheel: height)   "
-      "V: boxes of nodes   N: near and far, near, far, brute force   T: what moves stops or goes on   P: picture   R: "
-      "record   L: replay   H: hide this   Esc: "
-      "quit");
-  ImGui::PopTextWrapPos();
-  ImGui::End();
 }
 
 /// The frame that was asked for first; none while those ahead are still too few.
@@ -388,6 +394,7 @@ Status Viewer::show(double now_s) {
   }
   write_files(now_s);
   if (panel_) draw_panel(row_);
+  notices_.draw(recording_ ? "recording" : by_itself_.replaying() ? "replaying" : "");
   return Done{};
 }
 

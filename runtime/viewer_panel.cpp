@@ -9,9 +9,11 @@
 namespace promenade {
 namespace {
 
-constexpr double kPyramidM = 60;  // length of a view pyramid, shown
+constexpr float kLabelLetters = 8.5F;  // beside sliders, in heights of letters
+constexpr double kPyramidM = 60;       // length of a view pyramid, shown
 constexpr ImU32 kCellColor = IM_COL32(255, 230, 40, 255), kNeighbourColor = IM_COL32(255, 230, 40, 110),
                 kPyramidColor = IM_COL32(255, 60, 200, 255);
+constexpr ImU32 kTargetColor = IM_COL32(240, 160, 60, 200);
 constexpr ImU32 kFarCellColor = IM_COL32(60, 240, 240, 255), kFarBoxColor = IM_COL32(60, 140, 255, 255);
 
 ImU32 packed(const glm::u8vec4& c, int opacity) { return IM_COL32(c.r, c.g, c.b, opacity); }
@@ -54,30 +56,56 @@ double FramePlots::shown() {
   return response_ms_;
 }
 
-void FramePlots::draw(const Session& session, double target_ms, uint64_t memory_bytes) const {
-  const auto plot = [](const char* id, const Plot& values, const std::string& title, double most, float height) {
+void FramePlots::draw_plots(double target_ms, uint64_t memory_bytes) const {
+  const float line = ImGui::GetTextLineHeight();
+  const auto plot = [line](const char* id, const Plot& values, const std::string& title, double most, float lines) {
     ImGui::PlotLines(id, values.data(), static_cast<int>(values.size()), 0, title.c_str(), 0, static_cast<float>(most),
-                     {344, height});
+                     {ImGui::GetContentRegionAvail().x, lines * line});
   };
+  constexpr double kTargets = 3;  // of them are the plot's height
+  plot("##frames", frame_ms_, fmt::format("{:.1f} ms a frame, {:.1f} foretold", last_.frame_ms, last_.estimated_ms),
+       kTargets * target_ms, 4);
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  const float target_y = high.y + (low.y - high.y) / static_cast<float>(kTargets);
+  ImGui::GetWindowDrawList()->AddLine({low.x, target_y}, {high.x, target_y}, kTargetColor);
   const double bound_mib = double(memory_bytes) / 1048576;
-  plot("##frames", frame_ms_, fmt::format("frame {:.1f} ms, estimated {:.1f}", last_.frame_ms, last_.estimated_ms),
-       3 * target_ms, 60);
   plot("##memory", resident_mib_,
-       fmt::format("{:.1f} of {:.0f} MiB", double(last_.resident_bytes) / 1048576, bound_mib), bound_mib, 40);
+       fmt::format("{:.0f} of {:.0f} MiB in memory", double(last_.resident_bytes) / 1048576, bound_mib), bound_mib,
+       2.5F);
   plot("##read", read_kib_, fmt::format("{:.0f} KiB read", double(last_.bytes_read) / 1024),
-       std::max(64.0, double(*std::max_element(read_kib_.begin(), read_kib_.end()))), 40);
-  ImGui::Text("select %.2f  upload %.2f  draw %.2f ms", last_.select_ms, last_.upload_ms, last_.draw_ms);
-  ImGui::Text("response %.1f ms, of it shown in %.1f%s", response_ms_, response_ms_ - last_.response_ms,
-              session.frames_ahead() > 0 ? fmt::format(", {} ahead", session.frames_ahead()).c_str() : "");
-  ImGui::Text("%llu triangles in %llu nodes, %llu missing", static_cast<unsigned long long>(last_.triangles_drawn),
-              static_cast<unsigned long long>(last_.nodes_drawn), static_cast<unsigned long long>(last_.nodes_missing));
-  std::string levels = "levels";
-  for (const uint32_t count : last_.nodes_by_level) levels += fmt::format(" {}", count);
-  ImGui::TextUnformatted(levels.c_str());
+       std::max(64.0, double(*std::max_element(read_kib_.begin(), read_kib_.end()))), 2.5F);
+}
+
+void FramePlots::draw_figures(const Session& session) const {
+  const FigureTable table("##figures");
+  table.row("choose, load, draw",
+            fmt::format("{:.2f}, {:.2f}, {:.1f} ms", last_.select_ms, last_.upload_ms, last_.draw_ms));
+  const std::string ahead = session.frames_ahead() > 0 ? fmt::format("; {} ahead", session.frames_ahead()) : "";
+  table.row("response",
+            fmt::format("{:.1f} ms, {:.1f} of it to show{}", response_ms_, response_ms_ - last_.response_ms, ahead));
+  table.row("triangles", fmt::format("{:.1f} k", double(last_.triangles_drawn) / 1e3));
+  table.row("nodes", fmt::format("{}, {} missing", last_.nodes_drawn, last_.nodes_missing));
+  std::string levels;
+  for (const uint32_t count : last_.nodes_by_level) levels += fmt::format("{} ", count);
+  table.row("by level", levels);
   const LoaderCounts counts = session.loader_counts();
-  ImGui::Text("read %.1f MB in %llu runs; loaded %llu, evicted %llu", double(counts.bytes_read) / 1e6,
-              static_cast<unsigned long long>(counts.reads), static_cast<unsigned long long>(counts.nodes_loaded),
-              static_cast<unsigned long long>(counts.nodes_evicted));
+  table.row("read", fmt::format("{:.1f} MB in {} runs", double(counts.bytes_read) / 1e6, counts.reads));
+  table.row("nodes in, out", fmt::format("{}, {}", counts.nodes_loaded, counts.nodes_evicted));
+}
+
+FigureTable::FigureTable(const char* id) : open_(ImGui::BeginTable(id, 2, ImGuiTableFlags_SizingFixedFit)) {}
+
+FigureTable::~FigureTable() {
+  if (open_) ImGui::EndTable();
+}
+
+void FigureTable::row(const char* name, const std::string& value) const {
+  if (!open_) return;
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::TextDisabled("%s", name);
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(value.c_str());
 }
 
 namespace {
@@ -125,6 +153,7 @@ std::string show_next_style(Session& session, const ModelSource& source, std::op
 /// Everything that a policy can be told.
 void draw_settings(Session& session) {
   SelectOptions& select = session.select_options();
+  ImGui::PushItemWidth(-kLabelLetters * ImGui::GetFontSize());
   if (ImGui::BeginCombo("policy", std::string(name_of(select.policy)).c_str())) {
     for (const Policy policy : all_policies())
       if (ImGui::Selectable(std::string(name_of(policy)).c_str(), policy == select.policy)) select.policy = policy;
@@ -169,12 +198,37 @@ void draw_settings(Session& session) {
   int fade_frames = static_cast<int>(session.fade_frames());
   if (ImGui::SliderInt("fade frames", &fade_frames, 0, 60)) session.fade_frames() = static_cast<uint32_t>(fade_frames);
   ImGui::Checkbox("textures", &session.frame_view().textures);
+  ImGui::PopItemWidth();
+}
+
+void draw_keys() {
+  static constexpr std::array<std::pair<const char*, const char*>, 16> kKeys = {{
+      {"drag, wheel", "look, speed"},
+      {"WASD, arrows", "move; space, C: up, down"},
+      {"double click", "go there"},
+      {"G", "walk or fly"},
+      {"Q, E, F", "roll, straighten"},
+      {"Home", "back to the start"},
+      {"1-9", "to a bookmark; with Ctrl: set it"},
+      {"B", "bird's eye; wheel: height"},
+      {"V", "boxes of nodes"},
+      {"N", "near and far, near, far, brute force"},
+      {"T", "what moves stops or goes on"},
+      {"P", "picture of the view"},
+      {"R", "record a path, and stop"},
+      {"L", "replay it, and stop"},
+      {"H", "hide this panel, show it"},
+      {"Esc", "quit"},
+  }};
+  const FigureTable table("##keys");
+  for (const auto& [key, what] : kKeys) table.row(key, what);
 }
 
 void draw_box_colors_setting(BoxColors& colors) {
   static constexpr std::array<const char*, 5> kNames = {"no boxes", "drawn nodes by level", "drawn nodes by triangles",
                                                         "drawn nodes by error", "resident nodes by level"};
   int chosen = static_cast<int>(colors);
+  ImGui::SetNextItemWidth(-kLabelLetters * ImGui::GetFontSize());
   if (ImGui::Combo("boxes", &chosen, kNames.data(), static_cast<int>(kNames.size())))
     colors = static_cast<BoxColors>(chosen);
 }

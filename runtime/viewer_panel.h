@@ -19,7 +19,10 @@ class FramePlots {
   /// It is in the window now. Returns how long that took from when keys and mouse were asked for, milliseconds; 0:
   /// there was no picture.
   double shown();
-  void draw(const Session& session, double target_ms, uint64_t memory_bytes) const;
+  /// As wide as the panel; the frame times with a line at the target.
+  void draw_plots(double target_ms, uint64_t memory_bytes) const;
+  /// A table of the last frame.
+  void draw_figures(const Session& session) const;
 
  private:
   static constexpr size_t kFrames = 120;
@@ -31,8 +34,24 @@ class FramePlots {
   double response_ms_ = 0;
 };
 
-/// Sliders and boxes for all that the policies can be told. Between Panels::begin() and end().
+/// A table of names and what they are now. Between Panels::begin() and end(), as all below.
+class FigureTable {
+ public:
+  explicit FigureTable(const char* id);
+  ~FigureTable();
+  FigureTable(const FigureTable&) = delete;
+  FigureTable& operator=(const FigureTable&) = delete;
+  void row(const char* name, const std::string& value) const;
+
+ private:
+  bool open_;
+};
+
+/// Sliders and boxes for all that the policies can be told.
 void draw_settings(Session& session);
+
+/// What keys and mouse do.
+void draw_keys();
 
 /// To the next of [xiong1996]'s styles: near geometry with far pictures, near alone, far alone, brute force. Other
 /// policies give way to `stratified`. brute_from: the policy that brute force stands in for; the caller keeps it.

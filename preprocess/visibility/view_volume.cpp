@@ -13,12 +13,12 @@ using Kind = ViewVolume::Kind;
 constexpr std::array<glm::ivec3, 6> kSteps = {glm::ivec3(-1, 0, 0), glm::ivec3(1, 0, 0),  glm::ivec3(0, -1, 0),
                                               glm::ivec3(0, 1, 0),  glm::ivec3(0, 0, -1), glm::ivec3(0, 0, 1)};
 
-/// Fronts and backs that a space sees, in areas of a cube's side over kAreaParts. Whole numbers: the sum does not
-/// depend on the order of threads.
-constexpr float kAreaParts = 64;
-/// One triangle votes at no more places than this squared, and no more than this at each: sums stay far from overflow.
-constexpr int kMostPlaces = 16;
-constexpr float kMostVotes = 1 << 14;
+/// What a cube sees along the grid's axes: the nearest surface, and whether that shows its front. As one number: the
+/// distance in parts of a cube, twice, and 1 for a back. The least of several does not depend on the order of threads;
+/// of two that are as near, the front is what one sees.
+constexpr uint32_t kNothingSeen = 0xffffffffU;
+constexpr float kDistanceParts = 4096;
+constexpr int kReach = 6;  // cubes of surfaces that a look goes through
 
 class Surveyor {
  public:
@@ -28,11 +28,11 @@ class Surveyor {
         monitor_(monitor),
         leaves_(leaves_of(reader.model())),
         kinds_(grid.size(), Kind::unknown),
-        votes_(grid.size(), 0) {}
+        seen_(grid.size(), kNothingSeen) {}
 
   Result<ViewVolume> run() {
     PROMENADE_TRY(for_each_leaf([this](const Mesh& mesh) { mark(mesh); }));
-    PROMENADE_TRY(for_each_leaf([this](const Mesh& mesh) { vote(mesh); }));
+    PROMENADE_TRY(for_each_leaf([this](const Mesh& mesh) { show(mesh); }));
     open_from_the_top();
     judge_the_rest();
     find_lowest_open();
@@ -61,53 +61,72 @@ class Surveyor {
       });
   }
 
-  /// Each triangle tells the space before it that it shows its front there, and the space behind it that it shows its
-  /// back: at one place for each cube's area or so.
-  void vote(const Mesh& mesh) {
+  /// Each triangle shows itself to the cubes on both sides of it, along the lines through the middles of cubes.
+  void show(const Mesh& mesh) {
     for (size_t t = 0; t < mesh.triangle_count(); ++t) {
-      const Corners p = corners_of(mesh, t);
-      const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
-      const float length = glm::length(cross);
-      if (!(length > 0)) continue;
-      const glm::vec3 normal = cross / length;
-      const float cubes = length / 2 / (grid_.step_m * grid_.step_m);
-      const int places = std::clamp(static_cast<int>(std::sqrt(cubes)), 1, kMostPlaces);
-      const float votes = cubes * kAreaParts / float(places * places);
-      const int32_t whole = static_cast<int32_t>(std::clamp(votes, 1.0F, kMostVotes));
-      for (int i = 0; i < places; ++i)
-        for (int j = 0; j < places; ++j) {
-          // Even over the triangle: a point of the square, folded onto its half.
-          float u = (float(i) + 0.5F) / float(places), v = (float(j) + 0.5F) / float(places);
-          if (u + v > 1) u = 1 - u, v = 1 - v;
-          const glm::vec3 at = p[0] + (p[1] - p[0]) * u + (p[2] - p[0]) * v;
-          tell(at, normal, whole);
-          tell(at, -normal, -whole);
-        }
+      Corners p = corners_of(mesh, t);
+      for (glm::vec3& corner : p) corner = (corner - grid_.box.min) / grid_.step_m - 0.5F;  // middles: whole numbers
+      for (int axis = 0; axis < 3; ++axis) show_along(axis, p);
     }
   }
 
-  /// The first cube in that direction that is no surface's hears the vote.
-  void tell(const glm::vec3& from, const glm::vec3& direction, int32_t votes) {
-    constexpr int kReach = 6;  // half cubes
-    for (int i = 1; i <= kReach; ++i) {
-      const glm::ivec3 at = grid_.place(from + direction * (0.5F * float(i) * grid_.step_m));
+  void show_along(int axis, const Corners& p) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+    if (normal[axis] == 0) return;
+    const auto lines = [&](int along) {
+      const auto [low, high] = std::minmax({p[0][along], p[1][along], p[2][along]});
+      const auto most = float(grid_.count[along] - 1);
+      return std::pair(static_cast<int>(std::ceil(std::max(low, 0.0F))),
+                       static_cast<int>(std::floor(std::min(high, most))));
+    };
+    const auto [u0, u1] = lines(u);
+    const auto [v0, v1] = lines(v);
+    const float sign = normal[axis] > 0 ? 1.0F : -1.0F;
+    for (int at_v = v0; at_v <= v1; ++at_v)
+      for (int at_u = u0; at_u <= u1; ++at_u) {
+        bool inside = true;
+        for (size_t k = 0; k < 3 && inside; ++k) {
+          const glm::vec3 &a = p[k], &b = p[(k + 1) % 3];
+          inside = sign * ((b[u] - a[u]) * (float(at_v) - a[v]) - (b[v] - a[v]) * (float(at_u) - a[u])) >= 0;
+        }
+        if (!inside) continue;
+        const float rise = normal[u] * (float(at_u) - p[0][u]) + normal[v] * (float(at_v) - p[0][v]);
+        const float height = p[0][axis] - rise / normal[axis];
+        glm::ivec3 at;
+        at[u] = at_u, at[v] = at_v, at[axis] = static_cast<int>(std::floor(height + 0.5F));
+        if (!grid_.holds(at)) continue;
+        tell(at, axis, 1, height, sign > 0);
+        tell(at, axis, -1, height, sign < 0);
+      }
+  }
+
+  /// The first cube in that direction that is no surface's sees the surface at a height along the axis.
+  void tell(glm::ivec3 at, int axis, int way, float height, bool front) {
+    for (int i = 0; i < kReach; ++i) {
+      at[axis] += way;
       if (!grid_.holds(at)) return;
       const size_t index = grid_.index(at);
       if (kinds_[index] == Kind::surface) continue;
-      std::atomic_ref(votes_[index]).fetch_add(votes, std::memory_order_relaxed);
+      const float distance = std::abs(float(at[axis]) - height);
+      const uint32_t sight = 2 * static_cast<uint32_t>(distance * kDistanceParts) + (front ? 0 : 1);
+      std::atomic_ref<uint32_t> nearest(seen_[index]);
+      uint32_t known = nearest.load(std::memory_order_relaxed);
+      while (sight < known && !nearest.compare_exchange_weak(known, sight, std::memory_order_relaxed)) {
+      }
       return;
     }
   }
 
-  /// Makes the space around a cube `kind`; returns the votes that it heard.
+  /// Makes the space around a cube `kind`; returns how many more of its cubes see a front than a back.
   int64_t flood(const glm::ivec3& seed, Kind kind) {
-    int64_t votes = 0;
+    int64_t fronts = 0;
     kinds_[grid_.index(seed)] = kind;
     stack_.assign(1, static_cast<uint32_t>(grid_.index(seed)));
     while (!stack_.empty()) {
       const uint32_t index = stack_.back();
       stack_.pop_back();
-      votes += votes_[index];
+      if (seen_[index] != kNothingSeen) fronts += seen_[index] % 2 == 0 ? 1 : -1;
       const glm::ivec3 at = grid_.at(index);
       for (const glm::ivec3& step : kSteps) {
         const glm::ivec3 next = at + step;
@@ -118,7 +137,7 @@ class Surveyor {
         stack_.push_back(static_cast<uint32_t>(grid_.index(next)));
       }
     }
-    return votes;
+    return fronts;
   }
 
   void open_from_the_top() {
@@ -172,7 +191,7 @@ class Surveyor {
   JobMonitor& monitor_;
   std::vector<NodeId> leaves_;
   std::vector<Kind> kinds_;
-  std::vector<int32_t> votes_;
+  std::vector<uint32_t> seen_;
   std::vector<uint32_t> stack_;
   std::vector<int> lowest_open_;  ///< by column; the grid's height where nothing is open
   std::vector<float> floors_m_;

@@ -14,8 +14,9 @@
 namespace promenade {
 
 /// Cubes of viewing space, each a surface's, open or solid. A connected space between surfaces is open when it reaches
-/// the top of viewing space, or when more of the surface around it shows its front than its back: a room. Else it is
-/// solid: one is inside a wall or below the ground. Fronts and backs are those of the winding, two-sided or not.
+/// the top of viewing space, or when more of the surface that is seen from it along the axes shows its front than its
+/// back: a room. Else it is solid: one is inside a wall or below the ground. Fronts and backs are those of the winding,
+/// two-sided or not.
 class ViewVolume {
  public:
   enum class Kind : uint8_t { unknown, surface, open, solid };  ///< unknown: nobody is to stand there

@@ -192,12 +192,17 @@ TEST_F(SmallCity, gets_far_pictures_later_and_is_flown_and_held_against_the_sour
 
 TEST_F(SmallCity, study_far_tells_what_differences_from_a_neighbour_save) {
   const ProgramRun run = run_program(
-      "study far city.prom --path city_fly.json --places 1 --far-side 129 --steps 1 --flat-cells 1 --depth-cells 2 "
+      "study far city.prom --path city_fly.json --places 1 --far-box 220 --far-side 129 --steps 1 --flat-cells 1 "
+      "--depth-cells 2 "
       "--json study_far.json",
       folder());
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const json rows = json_in(folder() / "study_far.json")["far"];
+  const json figures = json_in(folder() / "study_far.json");
+  const json rows = figures["far"];
   ASSERT_EQ(rows.size(), 2U * 5U);
+  ASSERT_EQ(figures["near"].size(), 2U);
+  EXPECT_GT(figures["near"][0]["leaves_mean"], 0);
+  EXPECT_LE(figures["near"][0]["changed_mean"], figures["near"][0]["leaves_mean"]);
   for (const json& row : rows) {
     EXPECT_GT(row["bytes_per_cell_mean"], 0);
     EXPECT_LT(row["color_error_mean"], 1.5 * rows[0]["color_error_mean"].get<double>() + 1);

@@ -5,20 +5,7 @@
 # usage: xvfb-run -a tests/cli/viewer_events.sh PROGRAM [gl|cpu]
 set -euo pipefail
 program=$(realpath "$1")
-folder=$(mktemp -d)
-viewer=
-trap '[[ -z $viewer ]] || kill "$viewer" 2>/dev/null || true; rm -rf "$folder"' EXIT
-
-cd "$folder"
-export XDG_CONFIG_HOME=$folder/config XDG_CACHE_HOME=$folder/cache
-
-fail() { echo "viewer_events: $1" >&2; cat view.log >&2; exit 1; }
-wait_for() {  # wait_for SECONDS WHAT COMMAND...: until the command succeeds
-  local limit=$(($1 * 10)) what=$2
-  shift 2
-  for ((i = 0; i < limit; ++i)); do "$@" >/dev/null 2>&1 && return; sleep 0.1; done
-  fail "no $what after $((limit / 10)) s"
-}
+. "$(dirname "$0")/viewer_common.sh"
 hold() { xdotool keydown "$1"; sleep "$2"; xdotool keyup "$1"; sleep 0.3; }
 
 "$program" generate city --triangles 100000 -o city.glb 2>/dev/null

@@ -5,20 +5,14 @@
 set -euo pipefail
 program=$(realpath "$1")
 seconds=${2:-60}
-folder=$(mktemp -d)
-viewer=
-trap '[[ -z $viewer ]] || kill "$viewer" 2>/dev/null || true; rm -rf "$folder"' EXIT
-cd "$folder"
-export XDG_CONFIG_HOME=$folder/config XDG_CACHE_HOME=$folder/cache
+. "$(dirname "$0")/viewer_common.sh"
 RANDOM=${SEED:-1}
-
-fail() { echo "viewer_soak: $1" >&2; tail -n 40 view.log >&2; exit 1; }
 
 "$program" generate city --triangles 200000 -o city.glb 2>/dev/null
 "$program" build city.glb -o city.prom 2>/dev/null
 "$program" view city.prom --size 640x360 --camera 20,20,30,45,-20 --memory 64MiB 2>view.log &
 viewer=$!
-for ((i = 0; i < 600; ++i)); do xdotool search --name Promenade >/dev/null 2>&1 && break; sleep 0.1; done
+wait_for 60 window xdotool search --name Promenade
 for _ in {1..120}; do xdotool key p; sleep 0.5; [[ -s view-0001.png ]] && break; done
 keys=(w w w w s a d space c q e f g g b v h l r p Home 1 2 3 ctrl+1 ctrl+2 Up Down Left Right)
 begin=$SECONDS

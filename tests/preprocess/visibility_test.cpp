@@ -135,6 +135,27 @@ TEST_F(Seen, room_whose_walls_face_inwards_is_open_though_closed) {
   EXPECT_TRUE(volume->is_open(around(placed(model, {15, 10, 4}))));
 }
 
+TEST_F(Seen, house_wall_to_wall_with_others_is_dead_inside) {
+  // Slits of 0.2 m, narrower than the survey's cubes, with a board on each neighbour's wall: outside of the house there
+  // are more fronts than it has backs.
+  Mesh mesh = ground();
+  const glm::vec3 low(10, 5, 0), high(20, 15, 8);
+  append(mesh, house({low, high}, false));
+  for (const float slit_m : {0.1F, 0.2F}) {
+    append(mesh, house({{low.x, high.y + slit_m, 0}, {high.x, 18 + slit_m, 8}}, false));
+    append(mesh, house({{low.x, 2 - slit_m, 0}, {high.x, low.y - slit_m, 8}}, false));
+    append(mesh, house({{high.x + slit_m, low.y, 0}, {25 + slit_m, high.y, 8}}, false));
+    append(mesh, house({{5 - slit_m, low.y, 0}, {low.x - slit_m, high.y, 8}}, false));
+  }
+  const ModelReader& model = model_of(mesh);
+  const Result<ViewVolume> volume =
+      survey_volume(model, {placed(model, {0, 0, 0}), placed(model, {40, 20, 12})}, 200000, monitor);
+  ASSERT_TRUE(volume) << volume.error().message;
+  EXPECT_FALSE(volume->is_open(around(placed(model, {15, 10, 4}))));
+  EXPECT_FALSE(volume->is_open(around(placed(model, {22.5F, 10, 4}))));
+  EXPECT_TRUE(volume->is_open(around(placed(model, {30, 10, 4}))));
+}
+
 TEST_F(Seen, below_ground_is_dead) {
   const Mesh mesh = test::hills(40);
   const ModelReader& model = model_of(mesh);

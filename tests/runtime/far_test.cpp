@@ -253,6 +253,13 @@ SessionOptions stratified() {
   return options;
 }
 
+Camera wide_from(const glm::dvec3& eye) {
+  Camera camera = scenes::looking_along_x();
+  camera.pose.eye = eye;
+  camera.vertical_fov_deg = 170;
+  return camera;
+}
+
 /// Sixteen leaves along y from -80 to 80, at x = 10.
 void plant(FarForest& source) { source.grow(source.root({{10, -80, -4}, {11, 80, 4}}, 8), 2, 4, 10); }
 
@@ -262,9 +269,7 @@ TEST(StratifiedSession, draws_near_nodes_and_the_picture_and_geometry_where_none
   NullRenderer renderer;
   Result<Session> session = Session::open(source, renderer, stratified());
   ASSERT_TRUE(session.ok()) << session.error().message;
-  Camera camera = scenes::looking_along_x();
-  camera.pose.eye = {0, -20, 0};
-  camera.vertical_fov_deg = 170;
+  Camera camera = wide_from({0, -20, 0});
   const Result<FrameRow> first = session->frame(camera, 0);
   EXPECT_EQ(first->far_layers, 0U);
   EXPECT_TRUE(first->far_missing);
@@ -295,9 +300,7 @@ TEST(StratifiedSession, draws_the_pictures_of_all_shells_or_geometry) {
   NullRenderer renderer;
   Result<Session> session = Session::open(source, renderer, stratified());
   ASSERT_TRUE(session.ok()) << session.error().message;
-  Camera camera = scenes::looking_along_x();
-  camera.pose.eye = {0, -20, 0};
-  camera.vertical_fov_deg = 170;
+  Camera camera = wide_from({0, -20, 0});
   ASSERT_TRUE(session->settle(camera).ok());
   const Result<FrameRow> row = session->frame(camera, 0);
   EXPECT_EQ(row->far_layers, 1U);

@@ -187,8 +187,8 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
   for (const UsableOccluder& usable : usable_) {
     const ErodedLoops loops = eroded_loops(set_, usable, erosion_m);
     if (loops.loops.empty() || !horizon_.worth_adding(usable.occluder->box)) continue;
-    Box clear = cell_;
-    clear.min -= loops.erosion_m, clear.max += loops.erosion_m;
+    // A ray beside the middle's meets the solid within that of where the middle's ray meets the loop: outside the cell.
+    const Box clear = cell_.grown(erosion_m + usable.error_m);
     for (const OccluderLoop& loop : loops.loops) {
       if (loop.is_hole) continue;  // the outline around it hides as much, and more
       const float top_m = loop.top_m - usable.error_m;

@@ -1,0 +1,31 @@
+#pragma once
+// Numbers byte by byte: what is alike stands together.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "codec/byte_io.h"
+
+namespace promenade {
+
+/// One byte of every number after the other, least significant bytes first.
+inline void put_planes(const std::vector<uint32_t>& numbers, uint32_t bytes, ByteWriter& writer) {
+  for (uint32_t plane = 0; plane < bytes; ++plane)
+    for (const uint32_t number : numbers) writer.put(static_cast<uint8_t>((number >> (8 * plane)) & 0xffU));
+}
+
+/// As many as there are. False: too few bytes.
+inline bool get_planes(ByteReader& reader, uint32_t bytes, std::vector<uint32_t>& numbers) {
+  std::fill(numbers.begin(), numbers.end(), 0U);
+  for (uint32_t plane = 0; plane < bytes; ++plane) {
+    const std::span<const std::byte> run = reader.get_bytes(numbers.size());
+    if (run.size() != numbers.size()) return false;
+    for (size_t i = 0; i < run.size(); ++i) numbers[i] |= std::to_integer<uint32_t>(run[i]) << (8 * plane);
+  }
+  return true;
+}
+
+}  // namespace promenade
