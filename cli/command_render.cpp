@@ -47,7 +47,8 @@ Status render_model(const RenderArguments& arguments, const std::vector<Camera>&
   SessionOptions options = arguments.view.session;
   options.fade_frames = 0;  // still pictures
   options.background = background_of(arguments.view);
-  options.frame_bytes = renderer.frame_bytes(arguments.view.size.width, arguments.view.size.height);
+  options.frame_bytes =
+      renderer.frame_bytes(arguments.view.size.width, arguments.view.size.height, has_see_through(source->model()));
   options.loader_thread = false;  // a still picture waits for what it needs, in the same order each time
   Result<Session> session = Session::open(*source, renderer, options);
   if (!session) return session.error();

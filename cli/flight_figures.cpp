@@ -247,6 +247,7 @@ Json totals_json(const FlightReport& report) {
                {"reads", t.reads},
                {"bytes_read_useful", t.bytes_read_useful},
                {"resident_bytes_peak", t.resident_bytes_peak},
+               {"texture_side_px", t.texture_side_px ? Json(*t.texture_side_px) : Json()},
                {"peak_rss_bytes", t.peak_rss_bytes},
                {"stalls", t.stalls},
                {"memory_bytes", t.memory_bytes},

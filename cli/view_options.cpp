@@ -165,6 +165,10 @@ void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_poli
   add_parsed<uint64_t>(app, "--memory", loader.memory_bytes, parse_bytes, "Bound on all resident model data")
       ->default_str(default_memory_bytes >= (uint64_t(1) << 30) ? fmt::format("{}GiB", default_memory_bytes >> 30)
                                                                 : fmt::format("{}MiB", default_memory_bytes >> 20));
+  app.add_option_function<uint32_t>(
+         "--texture-side", [&loader](uint32_t side) { loader.texture_side = side; },
+         "Halve pictures that nodes share until no side has more pixels (0: never; else: as far as --memory asks for)")
+      ->type_name("PIXELS");
   app.add_option("--target-ms", time.target_ms, "Frame time to aim at, ms")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -9,7 +9,7 @@ namespace promenade {
 namespace {
 
 using raster_kernel::kMaxMipLevels;
-constexpr uint32_t kMaxTextureSide = 32768;  // its levels fit kMaxMipLevels
+constexpr uint32_t kMaxTextureSide = MipTexture::kMaxSide;
 
 using Texel = MipTexture::Texel;
 
@@ -101,7 +101,7 @@ void MipTexture::store_picture(const Image& image) {
   }
 }
 
-Result<MipTexture> MipTexture::make(const Image& image) {
+Result<MipTexture> MipTexture::make(const Image& image, uint32_t largest_side) {
   if (image.width == 0 || image.height == 0 || image.width > kMaxTextureSide || image.height > kMaxTextureSide)
     return Error{"texture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
                  " pixels: sides must be 1 to " + std::to_string(kMaxTextureSide)};
@@ -109,9 +109,11 @@ Result<MipTexture> MipTexture::make(const Image& image) {
     return Error{"texture of " + std::to_string(image.width) + " x " + std::to_string(image.height) + " has " +
                  std::to_string(image.pixels.size()) + " pixels"};
   MipTexture t;
-  t.view_.width = image.width, t.view_.height = image.height;
+  uint32_t left_out = 0;  // of the finest levels
+  while (std::max(image.width, image.height) >> left_out > std::max(1U, largest_side)) ++left_out;
+  t.view_.width = std::max(1U, image.width >> left_out), t.view_.height = std::max(1U, image.height >> left_out);
   size_t total = 0;
-  for (uint32_t w = image.width, h = image.height; t.view_.levels < kMaxMipLevels;
+  for (uint32_t w = t.view_.width, h = t.view_.height; t.view_.levels < kMaxMipLevels;
        w = std::max(1U, w / 2), h = std::max(1U, h / 2)) {
     t.view_.level_width[t.view_.levels] = static_cast<float>(w);
     t.view_.level_height[t.view_.levels] = static_cast<float>(h);
@@ -123,10 +125,10 @@ Result<MipTexture> MipTexture::make(const Image& image) {
       std::any_of(image.pixels.begin(), image.pixels.end(), [](const glm::u8vec4& p) { return p.a != 255; });
   t.texels_.resize(total);
   if (clear) t.opacity_.resize(total);
-  t.store_picture(image);
+  if (left_out == 0) t.store_picture(image);
   const std::array<float, 256>& linear = linear_table();
   std::vector<Texel> level;
-  for (uint32_t l = 1; l < t.view_.levels; ++l) {
+  for (uint32_t l = 1; l < t.view_.levels + left_out; ++l) {
     const uint32_t width = std::max(1U, image.width >> (l - 1)), height = std::max(1U, image.height >> (l - 1));
     if (l == 1) {
       const auto texel = [&](size_t i) {
@@ -137,7 +139,7 @@ Result<MipTexture> MipTexture::make(const Image& image) {
     } else {
       level = halved([&](size_t i) { return level[i]; }, width, height, !clear);
     }
-    t.store_level(l, level, std::max(1U, image.width >> l));
+    if (l >= left_out) t.store_level(l - left_out, level, std::max(1U, image.width >> l));
   }
   t.view_.texels = t.texels_.data();
   t.view_.opacity = clear ? t.opacity_.data() : nullptr;

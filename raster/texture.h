@@ -15,8 +15,10 @@ namespace promenade {
 /// any thread may read it.
 class MipTexture {
  public:
-  /// Refuses a picture without pixels, one whose array does not match its size, and sides over 32768.
-  static Result<MipTexture> make(const Image& image);
+  /// Refuses a picture without pixels, one whose array does not match its size, and sides over 32768. Of a picture with
+  /// a side over largest_side (> 0) only the levels that are not are kept.
+  static Result<MipTexture> make(const Image& image, uint32_t largest_side = kMaxSide);
+  static constexpr uint32_t kMaxSide = 32768;  ///< its levels fit kMaxMipLevels
 
   const raster_kernel::Texture& view() const { return view_; }
   uint64_t byte_size() const { return texels_.size() * sizeof(int32_t) + opacity_.size(); }

@@ -101,9 +101,9 @@ class CpuRenderer final : public Renderer {
     return staged;
   }
 
-  std::unique_ptr<StagedTexture> stage_texture(const Image& image) const override {
+  std::unique_ptr<StagedTexture> stage_texture(const Image& image, uint32_t largest_side) const override {
     auto staged = std::make_unique<CpuStagedTexture>();
-    staged->texture = std::make_shared<const MipTexture>(*MipTexture::make(fitting(image)));
+    staged->texture = std::make_shared<const MipTexture>(*MipTexture::make(fitting(image), largest_side));
     return staged;
   }
 
@@ -148,6 +148,7 @@ class CpuRenderer final : public Renderer {
   uint64_t bytes_of(TextureHandle texture) const override {
     return textures_[static_cast<uint32_t>(texture)]->byte_size();
   }
+  bool copies_staged() const override { return false; }
   uint64_t bytes() const override { return bytes_; }
 
   uint64_t mesh_bytes_bound(uint64_t vertices, uint64_t triangles) const override {
@@ -162,13 +163,14 @@ class CpuRenderer final : public Renderer {
     return (texels + 2) * (sizeof(int32_t) + 1);
   }
 
-  uint64_t frame_bytes(uint32_t width_px, uint32_t height_px) const override {
+  uint64_t frame_bytes(uint32_t width_px, uint32_t height_px, bool see_through) const override {
     const uint64_t padded = (uint64_t(width_px) + 7) / 8 * 8 * ((uint64_t(height_px) + 7) / 8 * 8);
     // Depth, id and the farthest depths of the tiles with their borders, of the solid picture and each layer; the
     // picture before and after its edges are smoothed, and how much its pixels differ.
     const uint64_t differences = (uint64_t(width_px) + raster_kernel::kSmoothPadding) * height_px +
                                  (uint64_t(height_px) + 7) / 8 * raster_kernel::kStrengths * sizeof(uint32_t);
-    return (1 + kMostLayers) * (padded * 8 + padded / 4) + 2 * uint64_t(width_px) * height_px * 4 + differences;
+    return (1 + (see_through ? kMostLayers : 0)) * (padded * 8 + padded / 4) + 2 * uint64_t(width_px) * height_px * 4 +
+           differences;
   }
 
   Status draw(const FrameView& view, std::span<const DrawItem> items) override;

@@ -46,7 +46,7 @@ uint64_t decoded_bytes_bound(const TextureRecord& texture) {
 }
 
 Status decode_part(const ModelSource& source, const Renderer& renderer, NodeId node, uint32_t texture,
-                   std::span<const std::byte> stored, StagedPart& staged) {
+                   const TextureLimit& limit, std::span<const std::byte> stored, StagedPart& staged) {
   const Model& model = source.model();
   if (texture == kNoTexture) {
     const Result<Mesh> mesh = source.decode_mesh(node, stored);
@@ -61,7 +61,7 @@ Status decode_part(const ModelSource& source, const Renderer& renderer, NodeId n
   if (image->width > record.width || image->height > record.height)
     return Error{fmt::format("texture {}: {} x {} pixels decoded, the tables say {} x {}; build the model again",
                              texture, image->width, image->height, record.width, record.height)};
-  staged.texture = renderer.stage_texture(*image);
+  staged.texture = renderer.stage_texture(*image, limit.of(record));
   return Done{};
 }
 

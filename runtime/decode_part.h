@@ -8,6 +8,7 @@
 #include "geometry/result.h"
 #include "runtime/model_source.h"
 #include "runtime/renderer.h"
+#include "runtime/texture_limit.h"
 
 namespace promenade {
 
@@ -21,7 +22,7 @@ struct StagedPart {
 /// than the tables claim (it would break the memory bound); a material out of range; a texture that the node does not
 /// list. Any thread.
 Status decode_part(const ModelSource& source, const Renderer& renderer, NodeId node, uint32_t texture,
-                   std::span<const std::byte> stored, StagedPart& staged);
+                   const TextureLimit& limit, std::span<const std::byte> stored, StagedPart& staged);
 
 /// Heap bytes of a decoded mesh or picture at most, from what the tables claim.
 uint64_t decoded_bytes_bound(const NodeRecord& node);

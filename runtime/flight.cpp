@@ -172,7 +172,8 @@ Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const Ca
                          const FlightOptions& options, const FrameCallback& on_frame, JobMonitor& monitor) {
   if (path.keys.empty()) return Error{"the camera path has no keys"};
   SessionOptions session_options = options.session;
-  session_options.frame_bytes = renderer.frame_bytes(options.width_px, options.height_px);
+  session_options.frame_bytes =
+      renderer.frame_bytes(options.width_px, options.height_px, has_see_through(source.model()));
   Result<Session> session = Session::open(source, renderer, session_options);
   if (!session) return session.error();
   Camera camera{pose_of_frame(path, 0), options.width_px, options.height_px, options.vertical_fov_deg, options.near_m};
@@ -237,6 +238,7 @@ Result<FlightReport> fly(const ModelSource& source, Renderer& renderer, const Ca
   report.totals.resident_bytes_peak = session->resident_bytes_peak();
   report.totals.peak_rss_bytes = peak_rss_bytes();
   report.totals.memory_bytes = session_options.loader.memory_bytes;
+  if (const uint32_t side = session->texture_side_px(); side != kAnySide) report.totals.texture_side_px = side;
   for (const std::string& failure : session->failures()) monitor.warning(failure);
   return report;
 }

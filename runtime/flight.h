@@ -71,6 +71,8 @@ struct FlightTotals {
   uint64_t peak_rss_bytes = 0;  ///< of the process
   uint64_t stalls = 0;          ///< frames that took more than twice target_ms
   uint64_t memory_bytes = 0;    ///< the bound
+  /// To what side shared pictures were halved to fit into it; nullopt: none was.
+  std::optional<uint32_t> texture_side_px;
 };
 
 struct FlightReport {

@@ -9,6 +9,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Whether the way ends outside the cells or passes through where there are none. eye: model space.
+bool leaves_cells(const CellTables& tables, const glm::dvec3& eye, const glm::dvec3& way) {
+  constexpr int kSteps = 4;
+  for (int i = 1; i <= kSteps; ++i)
+    if (!cell_at(tables, eye + way * (double(i) / kSteps))) return true;
+  return false;
+}
+
 }  // namespace
 
 std::string_view name_of(FarStyle style) {
@@ -62,7 +70,7 @@ void FrameChooser::use_vlod(CellId cell, FrameRow& row) {
 
 /// Asks for the vLODs of the cell, of those that the eye may soon be in, and of the other neighbours; marks what the
 /// next cells see.
-void FrameChooser::foresee(CellId cell, SelectView& seen, FrameRow& row) {
+void FrameChooser::foresee(CellId cell, double prefetch_s, SelectView& seen, FrameRow& row) {
   const glm::dvec3 eye = seen.camera.pose.eye - source_.model().manifest.origin;
   const std::vector<RangeCell> range = range_cells(*source_.cells(), cell, eye, seen.velocity_m_per_s, range_);
   row.range_cells = range.size();
@@ -77,6 +85,7 @@ void FrameChooser::foresee(CellId cell, SelectView& seen, FrameRow& row) {
   shared_.vlods.want(wanted);
   soon_->change_to(there);
   seen.soon = soon_.get();
+  seen.leaving = leaves_cells(*source_.cells(), eye, seen.velocity_m_per_s * prefetch_s);
 }
 
 /// Follows the eye through the cells, and asks for the vLODs of the cell that it is in and of those beside it.
@@ -89,7 +98,7 @@ void FrameChooser::move_to(const FrameWish& wish, SelectView& seen, FrameRow& ro
   seen.cell = &tables.cells[index_of(*row.cell)].box;
   seen.bound = &tables.bound;
   if (!uses_vlod(wish.select.policy)) return;
-  foresee(*row.cell, seen, row);
+  foresee(*row.cell, wish.select.prefetch_s, seen, row);
   use_vlod(*row.cell, row);
   row.vlod_missing = marked_ != row.cell;
   if (!row.vlod_missing) seen.vlod = marks_.get();
@@ -185,7 +194,9 @@ void FrameChooser::choose(const FrameWish& wish, ChosenFrame& frame) {
   if (select_state_.costs) seen.reserved_ms = fade_ms_ + wish.upload_ms;
   show(wish, seen, frame);
   put_items(wish, frame);
-  shared_.set.update(frame.selection.updates, NodePricer(source_.model(), seen, wish.select));
+  shared_.set.update(frame.selection.updates, [pricer = NodePricer(source_.model(), seen, wish.select)](NodeId id) {
+    return pricer(id) * kRememberedPriority;
+  });
   shared_.set.mark_drawn(frame.selection.front);
 
   const Selection& selection = frame.selection;

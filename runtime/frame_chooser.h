@@ -47,7 +47,7 @@ class FrameChooser {
  private:
   void look_back(const FrameWish& wish, SelectView& seen, FrameRow& row);
   void move_to(const FrameWish& wish, SelectView& seen, FrameRow& row);
-  void foresee(CellId cell, SelectView& seen, FrameRow& row);
+  void foresee(CellId cell, double prefetch_s, SelectView& seen, FrameRow& row);
   void use_vlod(CellId cell, FrameRow& row);
   void follow_far(const FrameWish& wish, SelectView& seen, FrameRow& row);
   void show(const FrameWish& wish, const SelectView& seen, ChosenFrame& frame);

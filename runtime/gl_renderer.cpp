@@ -108,8 +108,8 @@ class Renderer33 final : public GlRenderer {
   std::unique_ptr<StagedMesh> stage_mesh(const Mesh& mesh, std::span<const Material> materials) const override {
     return std::make_unique<GlStagedMesh>(stage_gl_mesh(mesh, materials));
   }
-  std::unique_ptr<StagedTexture> stage_texture(const Image& image) const override {
-    return std::make_unique<GlStagedTexture>(stage_gl_texture(image, max_texture_side_));
+  std::unique_ptr<StagedTexture> stage_texture(const Image& image, uint32_t largest_side) const override {
+    return std::make_unique<GlStagedTexture>(stage_gl_texture(image, std::min(largest_side, max_texture_side_)));
   }
   Result<MeshHandle> create_mesh(const StagedMesh& staged, std::span<const TextureHandle> textures) override;
   Result<TextureHandle> create_texture(const StagedTexture& staged) override;
@@ -125,7 +125,7 @@ class Renderer33 final : public GlRenderer {
     return gl_texture_bytes(std::min(width, max_texture_side_), std::min(height, max_texture_side_));
   }
   uint64_t bytes() const override { return bytes_; }
-  uint64_t frame_bytes(uint32_t width_px, uint32_t height_px) const override {
+  uint64_t frame_bytes(uint32_t width_px, uint32_t height_px, bool) const override {
     return GlFrameTarget::bytes(width_px, height_px);
   }
 

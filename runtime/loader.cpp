@@ -97,8 +97,8 @@ Loader::Step Loader::decode(const ResidentSet::Task& task) {
   // charged for them.
   const double begin_ms = own_cpu_ms();
   StagedPart staged;
-  const Status status =
-      decode_part(source_, renderer_, task.node, set_.texture_of_part(task.part), task.stored, staged);
+  const Status status = decode_part(source_, renderer_, task.node, set_.texture_of_part(task.part),
+                                    set_.texture_limit(), task.stored, staged);
   if (!status.ok())
     set_.fail(task, status.error());
   else if (staged.mesh)

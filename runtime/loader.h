@@ -49,6 +49,10 @@ struct LoaderOptions {
   /// What lies behind the bytes read last is read next, without a seek, if it is wanted and matters at least this part
   /// of what matters most; 0: never, as published. Smaller: fewer seeks, more that comes early.
   double along_share = 0.25;
+  /// Pictures with a longer side that nodes share are halved until they fit; 0: none is. nullopt: as far as those that
+  /// a view cell sees need to fit into three quarters of what the bound leaves for nodes: better all of them in half
+  /// the resolution than half of them, for what lacks one picture is drawn as its ancestor.
+  std::optional<uint32_t> texture_side;
 };
 
 /// Does the loading, a step at a time, on whatever single thread calls step().

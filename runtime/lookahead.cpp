@@ -9,9 +9,6 @@
 namespace promenade {
 namespace {
 
-/// What is only foreseen matters less than what is asked for.
-constexpr float kForeseen = 0.25F;
-
 class LookingAhead {
  public:
   explicit LookingAhead(Selecting& selecting)
@@ -20,7 +17,7 @@ class LookingAhead {
         later_(glm::dvec3(selecting.sight.eye) + selecting.view.velocity_m_per_s * selecting.options.prefetch_s) {}
 
   void run() {
-    for (const NodeId root : s_.model.tables.roots) visit({root, s_.vlod == nullptr, false});
+    for (const NodeId root : s_.model.tables.roots) visit({root, s_.vlod == nullptr, s_.view.leaving});
     while (!stack_.empty()) {
       const Visit at = stack_.back();
       stack_.pop_back();
@@ -40,14 +37,14 @@ class LookingAhead {
     at.seen_whole = at.seen_whole || (s_.vlod != nullptr && s_.vlod->has(at.node));
     at.soon_whole = at.soon_whole || (soon && soon_->has(at.node));
     const NodeRecord& n = s_.node(at.node);
-    if (s_.foresee(at.node, kForeseen)) ++s_.out.nodes_foreseen;
+    if (s_.foresee(at.node)) ++s_.out.nodes_foreseen;
     if (n.child_count == 0 || ends_here(at)) return;
     const double distance_m = priority_distance(n, s_.sight, s_.options);
     if (frustum_visibility(n, s_.sight, s_.options, distance_m) > 0) stack_.push_back(at);
   }
 
   bool ends_here(const Visit& at) const {
-    if (s_.options.policy == Policy::vlod && s_.vlod != nullptr) {
+    if (s_.options.policy == Policy::vlod && s_.vlod != nullptr && !s_.view.leaving) {
       const bool finer_soon = soon_ != nullptr && soon_->leads_below(at.node);
       return !finer_soon && (at.seen_whole || !s_.vlod->leads_to_some(at.node));
     }

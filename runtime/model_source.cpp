@@ -1,5 +1,7 @@
 #include "runtime/model_source.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "codec/geometry_codec.h"
@@ -50,6 +52,11 @@ Result<Vlod> ModelSource::read_vlod(CellId cell) const {
 
 Result<std::vector<std::byte>> ModelSource::read_far_face(uint32_t face) const {
   return Error{fmt::format("far face {}: the model has no far pictures", face)};
+}
+
+bool has_see_through(const Model& model) {
+  return std::any_of(model.tables.materials.begin(), model.tables.materials.end(),
+                     [](const Material& material) { return material.alpha == AlphaMode::blend; });
 }
 
 std::unique_ptr<ModelSource> source_of(const ModelReader& reader) { return std::make_unique<ReaderSource>(reader); }

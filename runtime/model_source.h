@@ -40,6 +40,9 @@ class ModelSource {
   virtual Result<std::vector<std::byte>> read_far_face(uint32_t face) const;
 };
 
+/// Whether some of the model's surfaces may be seen through (AlphaMode::blend).
+bool has_see_through(const Model& model);
+
 /// The model that a reader opened. The reader must outlive it.
 std::unique_ptr<ModelSource> source_of(const ModelReader& reader);
 

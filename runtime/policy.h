@@ -117,6 +117,11 @@ struct SelectOptions {
   double distance_min_diagonals = 0.25;
 };
 
+/// Whatever is asked for now goes before all that is only foreseen, and that before what is just still there: priorities
+/// are scaled by these. Without the gap, what lies behind the eye, or is foreseen close by, would drive out what is seen
+/// far away, since priorities fall with the square of the distance.
+constexpr float kForeseenPriority = 1e-12F, kRememberedPriority = 1e-24F;
+
 /// What a selection sees.
 struct SelectView {
   Camera camera;
@@ -131,6 +136,7 @@ struct SelectView {
   /// The model with the boxes that moving objects sweep, for what is foreseen; null: nothing moves.
   const Model* swept = nullptr;
   const SoonMarks* soon = nullptr;    ///< what the next cells see; null: not known
+  bool leaving = false;               ///< the eye may soon be outside the cells, where everything may be seen
   const Box* cell = nullptr;          ///< the eye's cell; null: outside
   const FrontBound* bound = nullptr;  ///< of the cells' fronts; not null where `cell` is not
   /// What meets one of these boxes is drawn as geometry, the rest is in a far picture; empty: everything is geometry.

@@ -24,6 +24,8 @@ enum class TextureHandle : uint32_t {};
 enum class MeshHandle : uint32_t {};
 constexpr TextureHandle kNoTextureHandle{0xffffffffU};
 constexpr MeshHandle kNoMeshHandle{0xffffffffU};
+/// Of pictures: no bound.
+constexpr uint32_t kAnySide = 0xffffffffU;
 
 /// A mesh brought into the form that the renderer uploads (interleaved, grouped by material). Made on any thread.
 class StagedMesh {
@@ -92,9 +94,10 @@ class Renderer {
   /// Brings a sound mesh (find_defect empty, materials in range) into uploadable form. `materials`: what
   /// Mesh::materials indexes. Groups triangles by material.
   virtual std::unique_ptr<StagedMesh> stage_mesh(const Mesh& mesh, std::span<const Material> materials) const = 0;
-  /// Makes the mip maps (box filter in linear light, weighted by opacity). A picture larger than the renderer takes is
-  /// halved until it fits; an empty one becomes one white pixel.
-  virtual std::unique_ptr<StagedTexture> stage_texture(const Image& image) const = 0;
+  /// Makes the mip maps (box filter in linear light, weighted by opacity). A picture larger than the renderer takes, or
+  /// with a side over largest_side (> 0), is halved until it fits; an empty one becomes one white pixel.
+  virtual std::unique_ptr<StagedTexture> stage_texture(const Image& image, uint32_t largest_side) const = 0;
+  std::unique_ptr<StagedTexture> stage_texture(const Image& image) const { return stage_texture(image, kAnySide); }
 
   /// textures: what Material::texture indexes; kNoTextureHandle (or beyond the end): drawn in the plain colour. The
   /// textures must outlive the mesh. Errors: out of memory.
@@ -109,10 +112,13 @@ class Renderer {
   /// Upper bounds, before there is a handle, of staged and of uploaded size alike: for admission under a memory bound.
   virtual uint64_t mesh_bytes_bound(uint64_t vertices, uint64_t triangles) const = 0;
   virtual uint64_t texture_bytes_bound(uint32_t width, uint32_t height) const = 0;
+  /// Whether a handle holds a copy of what was staged, and both are there for a moment.
+  virtual bool copies_staged() const { return true; }
   /// Bytes of all living meshes and textures.
   virtual uint64_t bytes() const = 0;
-  /// Bytes of the picture, its depth and whatever else a frame needs at this size, whatever the scene.
-  virtual uint64_t frame_bytes(uint32_t width_px, uint32_t height_px) const = 0;
+  /// Bytes of the picture, its depth and whatever else a frame needs at this size. see_through: the scene has surfaces
+  /// with AlphaMode::blend.
+  virtual uint64_t frame_bytes(uint32_t width_px, uint32_t height_px, bool see_through) const = 0;
 
   /// Draws a frame in linear light to sRGB bytes: opaque and masked surfaces in the given order (give them front to
   /// back), the sky, then blended ones back to front by item. Returns when the picture is whole.

@@ -14,9 +14,10 @@
 namespace promenade {
 namespace {
 
-/// Part of the bound kept free by evicting what the last selection did not visit, so that the loader seldom waits a
-/// frame for the render thread.
+/// Part of the bound kept free by evicting what the last selection did not visit, or matters so much less that it is
+/// only foreseen, so that the loader seldom waits a frame for the render thread.
 constexpr uint64_t kSlackDivisor = 16;
+constexpr double kMuchLess = 1e-6;
 constexpr size_t kFailuresKept = 16;
 /// After so many bytes in a row the most important node has its turn, wherever it lies.
 constexpr uint64_t kLongestRun = uint64_t(512) << 10;
@@ -67,13 +68,14 @@ double now_ms() {
 /// Everything is guarded by `mutex` but for what says otherwise. Functions ending in _locked are called with it held.
 struct ResidentSet::State {
   State(const ModelSource& from, const Renderer& draws_with, uint64_t bound, uint64_t fixed, double margin,
-        double along)
+        double along, const TextureLimit& pictures)
       : source(from),
         model(from.model()),
         renderer(draws_with),
         memory_bytes(bound),
         eviction_margin(margin),
         along_share(along),
+        texture_limit(pictures),
         list(static_cast<uint32_t>(model.tables.nodes.size())),
         nodes(model.tables.nodes.size()),
         parts(model.tables.segments.size()),
@@ -115,6 +117,10 @@ struct ResidentSet::State {
   /// Room that decoding takes beside the stored bytes, and then the way from staged to uploaded.
   uint64_t decoding_bytes(uint32_t part, NodeId node) const;
   uint64_t staged_bound(uint32_t part, NodeId node) const;
+  /// What the renderer takes for a part besides what was staged.
+  uint64_t copy_bound(uint32_t part, NodeId node) const {
+    return renderer.copies_staged() ? staged_bound(part, node) : 0;
+  }
 
   // --- accounts ---
   void set_part_locked(uint32_t part, PartStatus status, uint64_t bytes);
@@ -151,6 +157,7 @@ struct ResidentSet::State {
   const Renderer& renderer;
   const uint64_t memory_bytes;
   const double eviction_margin, along_share;
+  const TextureLimit texture_limit;
 
   mutable std::mutex mutex;
   PriorityList list;
@@ -186,8 +193,7 @@ struct ResidentSet::State {
 
 uint64_t ResidentSet::State::staged_bound(uint32_t part, NodeId node) const {
   const uint32_t texture = texture_of_part[part];
-  if (texture != kNoTexture)
-    return renderer.texture_bytes_bound(model.tables.textures[texture].width, model.tables.textures[texture].height);
+  if (texture != kNoTexture) return limited_bytes_bound(model.tables.textures[texture], renderer, texture_limit);
   const NodeRecord& record = model.tables.nodes[index_of(node)];
   return renderer.mesh_bytes_bound(record.vertices, record.triangles);
 }
@@ -198,7 +204,7 @@ uint64_t ResidentSet::State::decoding_bytes(uint32_t part, NodeId node) const {
                                                  : decoded_bytes_bound(model.tables.nodes[index_of(node)]);
   const uint64_t staged = staged_bound(part, node);
   // While decoding: the thing itself and its staged form. Afterwards: staged, and the renderer's copy of it.
-  const uint64_t later = 2 * staged;
+  const uint64_t later = staged + copy_bound(part, node);
   const uint64_t stored = stored_bytes(part);
   return std::max(decoded + staged, later > stored ? later - stored : 0);
 }
@@ -345,8 +351,9 @@ void ResidentSet::State::make_slack_locked(NodeId candidate) {
   while (at != kNoNode && memory.total() - pending_bytes > enough && list.priority(at) < list.priority(candidate)) {
     const NodeId victim = at;
     at = list.before(at);
-    if (victim != candidate && nodes[index_of(victim)].visited != epoch && may_evict_locked(victim))
-      evict_locked(victim);
+    const bool spare = nodes[index_of(victim)].visited != epoch ||
+                       double(list.priority(victim)) < kMuchLess * double(list.priority(candidate));
+    if (victim != candidate && spare && may_evict_locked(victim)) evict_locked(victim);
   }
 }
 
@@ -419,8 +426,10 @@ ResidentSet::Task ResidentSet::State::task_for_locked(NodeId id, uint32_t part, 
 // --- the class's own functions ---------------------------------------------------------------------------------------
 
 ResidentSet::ResidentSet(const ModelSource& source, const Renderer& renderer, uint64_t memory_bytes,
-                         uint64_t fixed_bytes, double eviction_margin, double along_share)
-    : state_(std::make_unique<State>(source, renderer, memory_bytes, fixed_bytes, eviction_margin, along_share)) {}
+                         uint64_t fixed_bytes, double eviction_margin, double along_share,
+                         const TextureLimit& texture_limit)
+    : state_(std::make_unique<State>(source, renderer, memory_bytes, fixed_bytes, eviction_margin, along_share,
+                                     texture_limit)) {}
 
 ResidentSet::~ResidentSet() = default;
 
@@ -485,7 +494,7 @@ void ResidentSet::finish_mesh(const Task& task, std::unique_ptr<StagedMesh> stag
   Transfer& transfer = s.transfers[task.part];
   transfer.stored = {};
   // Its size now, and the renderer's copy to come.
-  s.set_part_locked(task.part, PartStatus::staged, staged->byte_size() + s.staged_bound(task.part, task.node));
+  s.set_part_locked(task.part, PartStatus::staged, staged->byte_size() + s.copy_bound(task.part, task.node));
   transfer.mesh = std::move(staged);
   s.ready.push_back(task.part);
   // The mesh is a node's last part: nothing is left to load.
@@ -498,7 +507,7 @@ void ResidentSet::finish_texture(const Task& task, std::unique_ptr<StagedTexture
   const std::lock_guard lock(s.mutex);
   Transfer& transfer = s.transfers[task.part];
   transfer.stored = {};
-  s.set_part_locked(task.part, PartStatus::staged, staged->byte_size() + s.staged_bound(task.part, task.node));
+  s.set_part_locked(task.part, PartStatus::staged, staged->byte_size() + s.copy_bound(task.part, task.node));
   transfer.texture = std::move(staged);
   s.ready.push_back(task.part);
 }
@@ -511,6 +520,8 @@ void ResidentSet::fail(const Task& task, const Error& error) {
   s.drop_part_locked(task.part);
   s.fail_node_locked(task.node);
 }
+
+const TextureLimit& ResidentSet::texture_limit() const { return state_->texture_limit; }
 
 uint32_t ResidentSet::texture_of_part(uint32_t part) const { return state_->texture_of_part[part]; }
 
@@ -711,14 +722,14 @@ Status ResidentSet::State::load_root(NodeId root, Renderer& target) {
     outcome = source.read_piece(part, 0, transfer.stored);
     if (!outcome.ok()) return;
     StagedPart staged;
-    outcome = decode_part(source, renderer, root, texture_of_part[part], transfer.stored, staged);
+    outcome = decode_part(source, renderer, root, texture_of_part[part], texture_limit, transfer.stored, staged);
     if (!outcome.ok()) return;
     {
       const std::lock_guard lock(mutex);
       transfer.stored = {};
       transfer.mesh = std::move(staged.mesh);
       transfer.texture = std::move(staged.texture);
-      set_part_locked(part, PartStatus::uploading, 2 * staged_bound(part, root));
+      set_part_locked(part, PartStatus::uploading, staged_bound(part, root) + copy_bound(part, root));
     }
     upload_part(part, target);
     if (counts.failed_uploads > 0) outcome = Error{failures.back()};

@@ -15,6 +15,7 @@
 #include "runtime/policy.h"
 #include "runtime/priority_list.h"
 #include "runtime/renderer.h"
+#include "runtime/texture_limit.h"
 
 namespace promenade {
 
@@ -36,7 +37,7 @@ class ResidentSet {
   /// along_share: of the largest priority, what a node must have to be read before it because it lies where the last
   /// read ended; 0: none is.
   ResidentSet(const ModelSource& source, const Renderer& renderer, uint64_t memory_bytes, uint64_t fixed_bytes,
-              double eviction_margin, double along_share = 0);
+              double eviction_margin, double along_share = 0, const TextureLimit& texture_limit = {});
   ~ResidentSet();
   ResidentSet(const ResidentSet&) = delete;
   ResidentSet& operator=(const ResidentSet&) = delete;
@@ -92,6 +93,7 @@ class ResidentSet {
   void finish_texture(const Task& task, std::unique_ptr<StagedTexture> staged);
   /// The part cannot be had: the node is never asked for again.
   void fail(const Task& task, const Error& error);
+  const TextureLimit& texture_limit() const;
   /// Texture index of a part, or kNoTexture for a mesh.
   uint32_t texture_of_part(uint32_t part) const;
 

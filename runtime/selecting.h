@@ -70,10 +70,10 @@ class Selecting {
     return priority;
   }
   /// The same for what no policy has priced; false: one has.
-  bool foresee(NodeId id, float importance) {
+  bool foresee(NodeId id) {
     if (state.nodes[index_of(id)].priced == state.frame) return false;
     price(id);
-    out.updates.back().priority *= importance;
+    out.updates.back().priority *= kForeseenPriority;
     return true;
   }
 

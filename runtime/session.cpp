@@ -85,6 +85,8 @@ struct Session::State {
 
   Status open_far(uint64_t& bytes);
   uint64_t fixed_bytes() const;
+  /// taken_bytes: of the bound, by other things than nodes.
+  TextureLimit texture_limit(uint64_t taken_bytes) const;
   void let_go(const ChosenFrame& frame);
   double upload();
   void choose_now();
@@ -149,8 +151,9 @@ Result<Session> Session::open(const ModelSource& source, Renderer& renderer, con
   uint64_t far_bytes = 0;
   PROMENADE_TRY(s.open_far(far_bytes));
   const LoaderOptions& loading = options.loader;
-  s.set = std::make_unique<ResidentSet>(source, renderer, loading.memory_bytes, far_bytes + s.fixed_bytes(),
-                                        loading.eviction_margin, loading.along_share);
+  const uint64_t fixed_bytes = far_bytes + s.fixed_bytes();
+  s.set = std::make_unique<ResidentSet>(source, renderer, loading.memory_bytes, fixed_bytes, loading.eviction_margin,
+                                        loading.along_share, s.texture_limit(fixed_bytes));
   PROMENADE_TRY(s.set->load_roots(renderer));
   s.chooser = std::make_unique<FrameChooser>(source, Shared{*s.set, s.vlods, s.far_store.get()}, options.draw_costs,
                                              options.range);
@@ -162,6 +165,13 @@ Result<Session> Session::open(const ModelSource& source, Renderer& renderer, con
     if (s.thread) s.thread->wake();
   });
   return Session(std::move(state));
+}
+
+TextureLimit Session::State::texture_limit(uint64_t taken_bytes) const {
+  const LoaderOptions& loading = options.loader;
+  if (loading.texture_side) return {*loading.texture_side > 0 ? *loading.texture_side : kAnySide};
+  const uint64_t left = loading.memory_bytes - std::min(loading.memory_bytes, taken_bytes);
+  return texture_limit_for(source, renderer, left - left / 4);
 }
 
 /// Far pictures, if the model has some: where the policy asks for them, or memory is plenty and it may come to that.
@@ -409,6 +419,7 @@ std::vector<std::string> Session::failures() const {
 }
 std::vector<NodeId> Session::resident_nodes() const { return state_->set->resident_nodes(); }
 uint64_t Session::resident_bytes() const { return state_->set->memory().total(); }
+uint32_t Session::texture_side_px() const { return state_->set->texture_limit().side_px; }
 uint64_t Session::resident_bytes_peak() const { return state_->set->memory_peak_bytes(); }
 void Session::set_time(double time_s) { state_->time_s = time_s; }
 const Model& Session::model_now() const {

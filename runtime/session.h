@@ -101,6 +101,9 @@ class Session {
   std::vector<NodeId> resident_nodes() const;
   uint64_t resident_bytes() const;
   uint64_t resident_bytes_peak() const;
+  /// To what side shared pictures are halved: LoaderOptions::texture_side, or what the bound asks for; kAnySide: none
+  /// is.
+  uint32_t texture_side_px() const;
   /// Of what moves. This and all settings: hold from the next ask() on, and may be changed between two.
   void set_time(double time_s);
   /// The model with what moves where it was drawn last.

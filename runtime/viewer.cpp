@@ -452,8 +452,9 @@ Result<ViewerReport> view(const ModelSource& source, const ViewerOptions& option
   if (!session_options.draw_costs)
     if (const Result<DrawCosts> costs = draw_costs_here(*drawing->renderer, drawing->gl != nullptr ? "window" : "cpu"))
       session_options.draw_costs = *costs;
-  session_options.frame_bytes = drawing->renderer->frame_bytes((*window)->width_px(), (*window)->height_px()) +
-                                surroundings_bytes(session_options.loader.memory_bytes);
+  session_options.frame_bytes =
+      drawing->renderer->frame_bytes((*window)->width_px(), (*window)->height_px(), has_see_through(source.model())) +
+      surroundings_bytes(session_options.loader.memory_bytes);
   Result<Session> session = Session::open(source, *drawing->renderer, session_options);
   if (!session) return session.error();
   return Viewer(source, options, **window, *drawing, *session, std::move(settings)).run();

@@ -274,7 +274,7 @@ void BM_Frame(benchmark::State& state) {
   if (!drawing) return;
   SessionOptions options;
   options.select.policy = static_cast<Policy>(state.range(1));
-  options.frame_bytes = drawing->renderer->frame_bytes(kWidthPx, kHeightPx);
+  options.frame_bytes = drawing->renderer->frame_bytes(kWidthPx, kHeightPx, true);
   Result<Session> session = Session::open(City::get().source(), *drawing->renderer, options);
   if (!session.ok()) {
     state.SkipWithError(session.error().message.c_str());

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "scenes.h"
 
@@ -188,6 +190,29 @@ TEST(Shade, through_holes_one_sees_what_is_behind) {
       if (x % 16 == 0 || x % 16 == 15 || y % 16 == 0 || y % 16 == 15) continue;  // between two squares
       EXPECT_EQ(buffer.node(x, y), (x / 16 + y / 16) % 2) << x << ", " << y;
     }
+}
+
+TEST(Shade, a_picture_kept_smaller_is_the_coarser_levels_of_the_whole) {
+  Random random(12);
+  for (const auto& [width, height, side] :
+       {std::tuple(64U, 64U, 16U), {100U, 37U, 50U}, {5U, 300U, 9U}, {8U, 8U, 8U}}) {
+    Image image = chequers(width, 4);
+    image.height = height;
+    image.pixels.resize(size_t(width) * height);
+    for (glm::u8vec4& p : image.pixels)
+      p = {random.below(256), random.below(256), random.below(256), random.below(256)};
+    const MipTexture whole = *MipTexture::make(image), small = *MipTexture::make(image, side);
+    uint32_t first = 0;
+    while (std::max(width, height) >> first > side) ++first;
+    ASSERT_EQ(small.view().levels + first, whole.view().levels);
+    EXPECT_EQ(small.view().width, std::max(1U, width >> first));
+    EXPECT_EQ(small.view().height, std::max(1U, height >> first));
+    const uint32_t at = whole.view().level_offset[first];
+    const size_t texels = small.byte_size() / (sizeof(int32_t) + 1);
+    EXPECT_EQ(texels, whole.byte_size() / (sizeof(int32_t) + 1) - at);
+    EXPECT_TRUE(std::equal(small.view().texels, small.view().texels + texels, whole.view().texels + at));
+    EXPECT_TRUE(std::equal(small.view().opacity, small.view().opacity + texels, whole.view().opacity + at));
+  }
 }
 
 TEST(Shade, textures_of_impossible_sizes_are_refused) {

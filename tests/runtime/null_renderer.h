@@ -37,8 +37,11 @@ class NullRenderer final : public Renderer {
   std::unique_ptr<StagedMesh> stage_mesh(const Mesh& mesh, std::span<const Material>) const override {
     return std::make_unique<NullMesh>(mesh_bytes_bound(mesh.vertex_count(), mesh.triangle_count()));
   }
-  std::unique_ptr<StagedTexture> stage_texture(const Image& image) const override {
-    return std::make_unique<NullTexture>(texture_bytes_bound(image.width, image.height));
+  std::unique_ptr<StagedTexture> stage_texture(const Image& image, uint32_t largest_side) const override {
+    uint32_t width = image.width, height = image.height;
+    for (; std::max(width, height) > largest_side; width /= 2, height /= 2) {
+    }
+    return std::make_unique<NullTexture>(texture_bytes_bound(width, height));
   }
   Result<MeshHandle> create_mesh(const StagedMesh& staged, std::span<const TextureHandle>) override {
     if (fail_uploads) return Error{"null: out of memory"};
@@ -60,7 +63,7 @@ class NullRenderer final : public Renderer {
   }
   uint64_t texture_bytes_bound(uint32_t width, uint32_t height) const override { return uint64_t(width) * height * 4; }
   uint64_t bytes() const override { return bytes_; }
-  uint64_t frame_bytes(uint32_t, uint32_t) const override { return 0; }
+  uint64_t frame_bytes(uint32_t, uint32_t, bool) const override { return 0; }
 
   Status draw(const FrameView&, std::span<const DrawItem> items) override {
     drawn.clear();

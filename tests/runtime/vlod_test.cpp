@@ -7,9 +7,11 @@
 
 #include "runtime/cursor.h"
 #include "runtime/flight.h"
+#include "runtime/loader.h"
 #include "runtime/policy.h"
 #include "runtime/range_cells.h"
 #include "runtime/soon_marks.h"
+#include "runtime/texture_limit.h"
 #include "runtime/vlod_marks.h"
 #include "runtime/vlod_store.h"
 #include "tests/layout/cell_fixtures.h"
@@ -169,6 +171,62 @@ TEST(LookAhead, prices_what_only_the_next_cells_see) {
   }
 }
 
+TEST(LookAhead, what_is_foreseen_goes_after_all_that_is_asked_for) {
+  Forest model;
+  // Foreseen: a wall close behind the eye. Asked for: one far in front of it.
+  model.grow(model.root({{900, -8, -1}, {900.5F, 8, 1}}, 2), 3, 2);
+  model.grow(model.root({{-1.5F, -8, -1}, {-1, 8, 1}}, 2), 3, 2);
+  const std::vector<uint8_t> resident(model.model().tables.nodes.size(), 1);
+  for (const Policy policy : {Policy::static_error, Policy::time_slices, Policy::cost_benefit}) {
+    SelectOptions options;
+    options.policy = policy;
+    options.pixel_error = 1e-3;
+    SelectView view;
+    view.camera = scenes::looking_along_x();
+    SelectState state;
+    Selection selection;
+    select(model.model(), view, resident, options, state, selection);
+    ASSERT_GT(selection.nodes_foreseen, 0U) << name_of(policy);
+    const size_t asked_for = selection.updates.size() - selection.nodes_foreseen;
+    ASSERT_GT(asked_for, 2U) << name_of(policy);
+    float least = 1e30F, most = 0;
+    for (size_t i = 0; i < selection.updates.size(); ++i) {
+      float& bound = i < asked_for ? least : most;
+      bound = i < asked_for ? std::min(bound, selection.updates[i].priority)
+                            : std::max(bound, selection.updates[i].priority);
+    }
+    EXPECT_GT(least, most) << name_of(policy);
+  }
+}
+
+TEST(LookAhead, an_eye_about_to_leave_the_cells_foresees_what_the_tree_asks_for) {
+  Forest model;
+  model.grow(model.root({{10, -8, -1}, {10.5F, 8, 1}}, 2), 3, 2);
+  const NodeId leaf = model.model().children_of(NodeId{3}).front();
+  VlodMarks marks(model.model());
+  marks.change_to(std::vector<NodeId>{NodeId{2}});
+  const std::vector<uint8_t> resident(model.model().tables.nodes.size(), 1);
+  for (const Policy policy : {Policy::vlod, Policy::vlod_time_slices}) {
+    SelectOptions options;
+    options.policy = policy;
+    options.pixel_error = 0.1;
+    SelectView view;
+    view.camera = scenes::looking_along_x();
+    view.vlod = &marks;
+    SelectState state;
+    Selection selection;
+    const auto foresees_leaf = [&] {
+      select(model.model(), view, resident, options, state, selection);
+      return std::any_of(selection.updates.begin(), selection.updates.end(),
+                         [leaf](const PriorityUpdate& u) { return u.node == leaf; });
+    };
+    EXPECT_FALSE(foresees_leaf()) << "hidden from here";
+    view.leaving = true;
+    EXPECT_TRUE(foresees_leaf()) << name_of(policy);
+    EXPECT_THAT(selection.front, testing::Not(testing::Contains(leaf))) << "not shown before it may be seen";
+  }
+}
+
 // --- marks --------------------------------------------------------------------------------------------------------
 
 /// Whether the marks say for every node what the set says.
@@ -233,6 +291,55 @@ struct Street : Forest {
   bool has_cells = true, broken = false;
   mutable std::atomic<int> vlod_reads = 0;
 };
+
+// --- pictures
+// -------------------------------------------------------------------------------------------------------
+
+/// The street with two shared pictures of 1024 and one of 256 pixels a side, and an atlas; cell 1 sees one of the
+/// large.
+struct PaintedStreet : Street {
+  PaintedStreet() {
+    vlods = {{NodeId{2}, NodeId{4}, NodeId{10}}, {NodeId{4}}, {}};
+    texture(1024, {NodeId{2}});
+    texture(1024, {NodeId{4}});
+    texture(256, {NodeId{10}});
+    const uint32_t atlas = texture(2048, {NodeId{5}});
+    edit().tables.textures[atlas].flags = TextureRecord::kAtlas;
+  }
+};
+
+TEST(TextureLimit, is_the_largest_at_which_a_cell_s_pictures_fit) {
+  PaintedStreet model;
+  const NullRenderer renderer;
+  const auto bytes = [&renderer](uint32_t side) { return renderer.texture_bytes_bound(side, side); };
+  const uint64_t whole = 2 * bytes(1024) + bytes(256);
+  EXPECT_EQ(texture_limit_for(model, renderer, whole).side_px, kAnySide);
+  EXPECT_EQ(texture_limit_for(model, renderer, whole - 1).side_px, 512U);
+  EXPECT_EQ(texture_limit_for(model, renderer, 2 * bytes(512) + bytes(256)).side_px, 512U);
+  EXPECT_EQ(texture_limit_for(model, renderer, 3 * bytes(128)).side_px, 128U);
+  EXPECT_EQ(texture_limit_for(model, renderer, 0).side_px, 64U) << "no smaller";
+  model.has_cells = false;
+  EXPECT_EQ(texture_limit_for(model, renderer, 0).side_px, kAnySide) << "nothing tells what is seen together";
+  model.has_cells = true, model.broken = true;
+  EXPECT_EQ(texture_limit_for(model, renderer, 0).side_px, kAnySide);
+}
+
+TEST(TextureLimit, bounds_what_is_loaded_but_atlases) {
+  PaintedStreet model;
+  NullRenderer renderer;
+  const TextureLimit limit{128};
+  ResidentSet set(model, renderer, uint64_t(1) << 30, 0, 0, 0, limit);
+  ASSERT_TRUE(set.load_roots(renderer));
+  Loader loader(model, renderer, set, nullptr, {});
+  const std::vector<PriorityUpdate> wanted = {{NodeId{2}, 4}, {NodeId{5}, 3}};
+  set.update(wanted, [](NodeId) { return 0.0F; });
+  while (loader.step().outcome == Loader::Outcome::worked) {
+  }
+  set.upload(renderer, 1e9);
+  EXPECT_THAT(renderer.textures,
+              ElementsAre(renderer.texture_bytes_bound(128, 128), renderer.texture_bytes_bound(2048, 2048)));
+  set.clear(renderer);
+}
 
 TEST(VlodStore, reads_what_is_wanted_in_that_order_once) {
   Street model;
