@@ -146,6 +146,7 @@ Status HiderStudy::see_from_eyes(const ChainRow& row, const Box& cell, std::span
     std::vector<uint8_t> unseen(hidden.begin(), hidden.end());
     for (size_t k = 0; k < front.size(); ++k)
       if (classify(frustum, model.tables.nodes[index_of(front[k])].box) == Overlap::outside) unseen[k] = 1;
+    in_view.add(model, front, unseen);
     const glm::vec3 eye(camera.pose.eye);
     const ThreadClock clock;
     for (const auto& hider : row.hiders) PROMENADE_TRY(hider->hide({{eye, eye}, front}, unseen));

@@ -73,7 +73,7 @@ class HiderStudy {
 
   uint64_t cells = 0, eyes = 0, pixels = 0, front_nodes = 0, seen_nodes = 0;
   double reference_ms = 0, eye_ms = 0;
-  Drawn cell_to_object, eye_to_object;
+  Drawn cell_to_object, in_view, eye_to_object;  ///< in_view: of the first, what the eye's view pyramid meets
   std::vector<StudiedCell> studied;
 
  private:

@@ -50,6 +50,7 @@ void print_cull_methods(const Model& model, const HiderStudy& study, Json& figur
                                        {"share_max", double(drawn.most_triangles) / whole}});
   };
   row("cell-to-object", study.cell_to_object);
+  row("of these, in view", study.in_view);
   row("eye-to-object", study.eye_to_object);
   const double eyes = double(std::max<uint64_t>(study.eye_to_object.count, 1));
   fmt::print("  {:.2f} ms an eye\n", study.eye_ms / eyes);
@@ -83,6 +84,18 @@ void print_cells(std::vector<StudiedCell> cells) {
   }
 }
 
+Json json_of(const std::vector<StudiedCell>& studied) {
+  Json cells = Json::array();
+  for (const StudiedCell& cell : studied)
+    cells.push_back({{"min", {cell.box.min.x, cell.box.min.y, cell.box.min.z}},
+                     {"max", {cell.box.max.x, cell.box.max.y, cell.box.max.z}},
+                     {"front_nodes", cell.verdict.front_nodes},
+                     {"kept_nodes", cell.verdict.kept_nodes},
+                     {"seen_nodes", cell.verdict.seen_nodes},
+                     {"overestimate_ratio", cell.ratio()}});
+  return cells;
+}
+
 Json json_of(const std::vector<ChainRow>& rows, const HiderStudy& study) {
   const double n = double(study.cells);
   Json chains = Json::array();
@@ -103,6 +116,7 @@ Json json_of(const std::vector<ChainRow>& rows, const HiderStudy& study) {
   return {{"chains", chains},
           {"reference_ms_per_cell", study.reference_ms / n},
           {"cells", study.cells},
+          {"studied", json_of(study.studied)},
           {"eyes", study.eyes},
           {"pixels", study.pixels},
           {"front_nodes_mean", double(study.front_nodes) / n},

@@ -13,8 +13,11 @@ namespace promenade {
 
 /// One byte of every number after the other, least significant bytes first.
 inline void put_planes(const std::vector<uint32_t>& numbers, uint32_t bytes, ByteWriter& writer) {
-  for (uint32_t plane = 0; plane < bytes; ++plane)
-    for (const uint32_t number : numbers) writer.put(static_cast<uint8_t>((number >> (8 * plane)) & 0xffU));
+  std::vector<std::byte> run(numbers.size());
+  for (uint32_t plane = 0; plane < bytes; ++plane) {
+    for (size_t i = 0; i < run.size(); ++i) run[i] = static_cast<std::byte>((numbers[i] >> (8 * plane)) & 0xffU);
+    writer.put_bytes(run);
+  }
 }
 
 /// As many as there are. False: too few bytes.

@@ -99,6 +99,8 @@ Error not_there(uint32_t vertex, uint32_t kind) {
 
 void put_positions(const std::vector<glm::u32vec3>& positions, const std::vector<Guess>& guesses,
                    const std::vector<uint32_t>& twins, bool wide, ByteWriter& writer) {
+  std::vector<std::byte> kinds_of_all;
+  kinds_of_all.reserve(positions.size());
   std::array<std::vector<uint32_t>, 3> told;
   for (uint32_t v = 0; v < positions.size(); ++v) {
     if (twins[v] != 0) continue;
@@ -112,8 +114,9 @@ void put_positions(const std::vector<glm::u32vec3>& positions, const std::vector
       if (kind == kTold) told[size_t(i)].push_back(folded(value - guess, wide));
       kinds = kinds * kComponentKinds + kind;
     }
-    writer.put(static_cast<uint8_t>(kinds));
+    kinds_of_all.push_back(static_cast<std::byte>(kinds));
   }
+  writer.put_bytes(kinds_of_all);
   for (const std::vector<uint32_t>& codes : told) put_planes(codes, wide ? 4 : 2, writer);
 }
 

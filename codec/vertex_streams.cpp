@@ -6,9 +6,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <limits>
-#include <unordered_map>
 
 #include "codec/byte_planes.h"
 #include "codec/vertex_guesses.h"
@@ -17,25 +16,27 @@
 namespace promenade {
 namespace {
 
+// How things are told, in a byte of their own.
+constexpr uint8_t kWideTexcoords = 1, kColorDifferences = 2;
+
 /// How far back a vertex in the same place is looked for: what fits a byte.
 constexpr uint32_t kTwinReach = 255;
 
 /// For each vertex how many vertices back the last one in the same place is; 0: none within reach. Vertices share a
 /// place where colours or normals meet.
 std::vector<uint32_t> find_twins(const std::vector<glm::u32vec3>& positions) {
-  struct Hash {
-    size_t operator()(const glm::u32vec3& p) const {
-      return (uint64_t(p.x) * 0x9e3779b97f4a7c15ULL ^ uint64_t(p.y)) * 0xbf58476d1ce4e5b9ULL ^ p.z;
-    }
-  };
-  std::unordered_map<glm::u32vec3, uint32_t, Hash> last;
-  last.reserve(positions.size());
+  constexpr uint32_t kFree = 0xffffffffU;
+  std::vector<uint32_t> table(std::bit_ceil(positions.size() * 2 + 1),
+                              kFree);  // open addressing: the last vertex there
   std::vector<uint32_t> twins(positions.size(), 0);
   for (uint32_t v = 0; v < positions.size(); ++v) {
-    const auto [found, is_new] = last.try_emplace(positions[v], v);
-    if (is_new) continue;
-    if (v - found->second <= kTwinReach) twins[v] = v - found->second;
-    found->second = v;
+    const glm::u32vec3& p = positions[v];
+    const uint64_t hash =
+        ((uint64_t(p.x) * 0x9e3779b97f4a7c15ULL ^ p.y) * 0xbf58476d1ce4e5b9ULL ^ p.z) * 0x94d049bb133111ebULL;
+    size_t slot = (hash >> 32U) & (table.size() - 1);
+    while (table[slot] != kFree && positions[table[slot]] != p) slot = (slot + 1) & (table.size() - 1);
+    if (table[slot] != kFree && v - table[slot] <= kTwinReach) twins[v] = v - table[slot];
+    table[slot] = v;
   }
   return twins;
 }
@@ -81,6 +82,11 @@ bool get_differences(ByteReader& reader, const std::vector<Guess>& guesses, cons
   return true;
 }
 
+/// What the vertex that the guess begins with has; 0 where there is none.
+uint32_t beside(const std::vector<glm::u32vec3>& values, const Guess& guess, int i) {
+  return guess.known == 0 ? 0 : values[guess.a][i];
+}
+
 /// The positions on the grid itself, rounded down.
 std::vector<glm::u32vec3> without_fine_bits(const QuantizedMesh& mesh) {
   std::vector<glm::u32vec3> coarse = mesh.positions;
@@ -99,7 +105,7 @@ void put_fine_bits(const QuantizedMesh& mesh, const std::vector<Guess>& guesses,
   for (int i = 0; i < 3; ++i)
     for (size_t v = 0; v < mesh.positions.size(); ++v)
       if (is_told(v))
-        writer.put(static_cast<uint8_t>((mesh.positions[v][i] - expected(mesh.positions, guesses[v], i)) & mask));
+        writer.put(static_cast<uint8_t>((mesh.positions[v][i] - beside(mesh.positions, guesses[v], i)) & mask));
 }
 
 bool get_fine_bits(ByteReader& reader, const std::vector<Guess>& guesses, const std::vector<uint32_t>& twins,
@@ -117,7 +123,7 @@ bool get_fine_bits(ByteReader& reader, const std::vector<Guess>& guesses, const 
       if (twins[v] != 0)
         mesh.positions[v][i] = mesh.positions[v - twins[v]][i];
       else if (is_told[v] != 0)
-        mesh.positions[v][i] |= (reader.get<uint8_t>() + expected(mesh.positions, guesses[v], i)) & mask;
+        mesh.positions[v][i] |= (reader.get<uint8_t>() + beside(mesh.positions, guesses[v], i)) & mask;
   return reader.ok();
 }
 
@@ -128,6 +134,18 @@ uint32_t packed(const glm::u8vec4& c) {
   return uint32_t(c.r) << 24U | uint32_t(c.g) << 16U | uint32_t(c.b) << 8U | uint32_t(c.a);
 }
 glm::u8vec4 unpacked(uint32_t c) { return {c >> 24U, (c >> 16U) & 0xffU, (c >> 8U) & 0xffU, c & 0xffU}; }
+
+constexpr uint32_t kRed = 0xff000000U;
+
+/// Byte by byte, modulo 256.
+uint32_t byte_differences(uint32_t a, uint32_t b) {
+  constexpr uint32_t kHigh = 0x80808080U;
+  return ((a | kHigh) - (b & ~kHigh)) ^ ((a ^ ~b) & kHigh);
+}
+uint32_t byte_sums(uint32_t a, uint32_t b) {
+  constexpr uint32_t kHigh = 0x80808080U;
+  return ((a & ~kHigh) + (b & ~kHigh)) ^ ((a ^ b) & kHigh);
+}
 
 /// The colours that occur, in order, and for each vertex 0 for the colour of the vertex that the guess begins with,
 /// else its place among them, from 1 on.
@@ -143,19 +161,21 @@ void put_colors(const std::vector<glm::u8vec4>& colors, const std::vector<Guess>
     codes.push_back(as_expected ? 0 : static_cast<uint32_t>(place) + 1);
   }
   writer.put(static_cast<uint32_t>(palette.size()));
-  // Only red is told as a difference: the others begin anew with every red.
-  for (size_t i = palette.size(); i-- > 1;) palette[i] -= palette[i - 1] & 0xff000000U;
+  for (size_t i = palette.size(); i-- > 1;) palette[i] = byte_differences(palette[i], palette[i - 1]);
   put_planes(palette, 4, writer);
   put_planes(codes, bytes_of_codes(palette.size()), writer);
 }
 
-Status get_colors(ByteReader& reader, const std::vector<Guess>& guesses, std::vector<glm::u8vec4>& colors) {
+/// by_differences: every byte of a colour is told less that of the one before, otherwise red alone.
+Status get_colors(ByteReader& reader, const std::vector<Guess>& guesses, bool by_differences,
+                  std::vector<glm::u8vec4>& colors) {
   const auto count = reader.get<uint32_t>();
   if (count > guesses.size()) return Error{fmt::format("mesh: {} colours for {} vertices", count, guesses.size())};
   std::vector<uint32_t> palette(count), codes(guesses.size());
   if (!get_planes(reader, 4, palette) || !get_planes(reader, bytes_of_codes(count), codes))
     return Error{"mesh: colours reach beyond the end"};
-  for (size_t i = 1; i < palette.size(); ++i) palette[i] += palette[i - 1] & 0xff000000U;
+  for (size_t i = 1; i < palette.size(); ++i)
+    palette[i] = byte_sums(palette[i], by_differences ? palette[i - 1] : palette[i - 1] & kRed);
   colors.reserve(codes.size());
   for (size_t v = 0; v < codes.size(); ++v) {
     if (codes[v] > count || (codes[v] == 0 && guesses[v].known == 0))
@@ -177,25 +197,29 @@ void put_vertices(const QuantizedMesh& mesh, ByteWriter& writer) {
   const std::vector<glm::u32vec3> positions = without_fine_bits(mesh);
   const bool wide_positions = needs_32_bits(positions), wide_texcoords = needs_32_bits(mesh.texcoords);
   writer.put(uint8_t(wide_positions));
-  writer.put(uint8_t(wide_texcoords));
-  const std::vector<Guess> single = without_parallelograms(*guesses);
+  writer.put(static_cast<uint8_t>((wide_texcoords ? kWideTexcoords : 0U) | kColorDifferences));
+  // Bits of floats do not continue linearly.
+  const std::vector<Guess> single = mesh.on_grid ? std::vector<Guess>() : without_parallelograms(*guesses);
   const std::vector<uint32_t> twins = find_twins(mesh.positions);
   put_planes(twins, 1, writer);
-  // Bits of floats do not continue linearly.
   put_positions(positions, mesh.on_grid ? *guesses : single, twins, wide_positions, writer);
-  if (mesh.fine_bits > 0) put_fine_bits(mesh, single, twins, writer);
+  if (mesh.fine_bits > 0) put_fine_bits(mesh, *guesses, twins, writer);
   if (!mesh.normals.empty()) put_normals(mesh, *guesses, twins, writer);
   put_differences(mesh.texcoords, *guesses, wide_texcoords, writer);
-  if (!mesh.colors.empty()) put_colors(mesh.colors, single, writer);
+  if (!mesh.colors.empty()) put_colors(mesh.colors, *guesses, writer);
 }
 
 Status get_vertices(ByteReader& reader, size_t vertices, bool normals, bool texcoords, bool colors,
                     QuantizedMesh& mesh) {
   const Result<std::vector<Guess>> guesses = guess_vertices(mesh.indices, vertices);
   if (!guesses) return guesses.error();
-  const bool wide_positions = reader.get<uint8_t>() != 0, wide_texcoords = reader.get<uint8_t>() != 0;
+  const bool wide_positions = reader.get<uint8_t>() != 0;
+  const auto ways = reader.get<uint8_t>();
+  if (ways > (kWideTexcoords | kColorDifferences)) return Error{fmt::format("mesh: unknown ways {:#x}", ways)};
+  const bool wide_texcoords = (ways & kWideTexcoords) != 0;
   const Error short_streams{fmt::format("mesh: streams of {} vertices reach beyond the end", vertices)};
-  const std::vector<Guess> single = without_parallelograms(*guesses);
+  // Bits of floats do not continue linearly.
+  const std::vector<Guess> single = mesh.on_grid ? std::vector<Guess>() : without_parallelograms(*guesses);
   std::vector<uint32_t> twins(vertices);
   if (!get_planes(reader, 1, twins)) return short_streams;
   for (size_t v = 0; v < vertices; ++v)
@@ -205,13 +229,13 @@ Status get_vertices(ByteReader& reader, size_t vertices, bool normals, bool texc
     PROMENADE_TRY(get_positions(reader, of_positions, twins, wide_positions, mesh.positions));
   else if (!get_differences(reader, of_positions, twins, wide_positions, mesh.positions))
     return short_streams;
-  if (mesh.fine_bits > 0 && !get_fine_bits(reader, single, twins, mesh)) return short_streams;
+  if (mesh.fine_bits > 0 && !get_fine_bits(reader, *guesses, twins, mesh)) return short_streams;
   if (normals && mesh.by_kinds)
     PROMENADE_TRY(get_normals(reader, *guesses, twins, mesh));
   else if (normals && !get_differences(reader, *guesses, {}, false, mesh.normals))
     return short_streams;
   if (texcoords && !get_differences(reader, *guesses, {}, wide_texcoords, mesh.texcoords)) return short_streams;
-  if (colors) PROMENADE_TRY(get_colors(reader, single, mesh.colors));
+  if (colors) PROMENADE_TRY(get_colors(reader, *guesses, (ways & kColorDifferences) != 0, mesh.colors));
   if (!reader.ok() || reader.remaining() != 0)
     return Error{fmt::format("mesh: {} bytes follow the vertices", reader.remaining())};
   return Done{};

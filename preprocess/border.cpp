@@ -1,5 +1,7 @@
 #include "preprocess/border.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,10 +25,13 @@ bool is_near_a_side(const glm::vec3& p, const Box& cell, float reach_m) {
   return std::min({distance.x, distance.y, distance.z}) <= reach_m;
 }
 
-/// What is known of an edge: the leaf whose triangles have it, and how many do.
-struct Sharing {
-  uint32_t leaf = kNone;
-  uint32_t triangles = 0;
+/// An edge of a leaf's triangle that another leaf, or another chunk, may have too.
+struct Sighting {
+  uint64_t edge;
+  uint32_t index;  ///< in the order of leaves and their corners
+  uint32_t leaf;
+  uint32_t corner;
+  bool operator<(const Sighting& other) const { return edge != other.edge ? edge < other.edge : index < other.index; }
 };
 
 }  // namespace
@@ -45,50 +50,41 @@ std::vector<Border> find_borders(const Mesh& mesh, std::span<const std::span<con
   if (reach_m > 0)
     for (size_t p = 0; p < leaf_at.size(); ++p)
       if (is_near_a_side(mesh.positions[places.first_vertex[p]], cell, reach_m)) leaf_at[p] = kMany;
-  std::unordered_map<uint64_t, Sharing> edges;
-  const auto each_edge = [&](const auto& visit) {
-    for (uint32_t leaf = 0; leaf < leaves.size(); ++leaf)
-      for (uint32_t i = 0; i < leaves[leaf].size(); ++i) {
-        const uint32_t first = leaves[leaf][i] * 3;
-        const std::array<uint32_t, 3> p{place(first), place(first + 1), place(first + 2)};
-        if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) continue;
-        for (uint32_t c = 0; c < 3; ++c) {
-          const uint32_t from = p[c], to = p[(c + 1) % 3];
-          if (leaf_at[from] == kMany && leaf_at[to] == kMany) visit(leaf, 3 * i + c, from, to);
-        }
+  std::vector<Sighting> sightings;
+  for (uint32_t leaf = 0; leaf < leaves.size(); ++leaf)
+    for (uint32_t i = 0; i < leaves[leaf].size(); ++i) {
+      const uint32_t first = leaves[leaf][i] * 3;
+      const std::array<uint32_t, 3> p{place(first), place(first + 1), place(first + 2)};
+      if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) continue;
+      for (uint32_t c = 0; c < 3; ++c) {
+        const uint32_t from = p[c], to = p[(c + 1) % 3];
+        if (leaf_at[from] == kMany && leaf_at[to] == kMany)
+          sightings.push_back({undirected(from, to), static_cast<uint32_t>(sightings.size()), leaf, 3 * i + c});
       }
-  };
+    }
+  tbb::parallel_sort(sightings);
   // An edge of one leaf's triangles only is a border where it is open and near a side; one that several leaves have is
   // for those that have it once.
-  std::unordered_map<uint64_t, uint32_t> shared;  // edges of several leaves: index of their counts
-  std::vector<std::vector<std::pair<uint32_t, uint32_t>>> counts;
-  each_edge([&](uint32_t leaf, uint32_t, uint32_t from, uint32_t to) {
-    Sharing& sharing = edges[undirected(from, to)];
-    if (sharing.leaf == kNone) sharing.leaf = leaf;
-    if (sharing.leaf == leaf) {
-      ++sharing.triangles;
-      return;
+  const auto near = [&](uint64_t p) {
+    return reach_m > 0 && is_near_a_side(mesh.positions[places.first_vertex[p]], cell, reach_m);
+  };
+  std::vector<uint32_t> corner_of_index(sightings.size(), kNone);  // of borders
+  std::vector<uint32_t> leaf_of_index(sightings.size());
+  for (size_t begin = 0, end = 0; begin < sightings.size(); begin = end) {
+    const uint64_t edge = sightings[begin].edge;
+    while (end < sightings.size() && sightings[end].edge == edge) ++end;
+    const bool is_shared = sightings[begin].leaf != sightings[end - 1].leaf;  // ascending
+    if (!is_shared && !(near(edge >> 32U) && near(edge & kNone))) continue;
+    for (size_t s = begin; s < end; ++s) {
+      const auto has_same_leaf = [&](size_t other) { return sightings[other].leaf == sightings[s].leaf; };
+      if ((s > begin && has_same_leaf(s - 1)) || (s + 1 < end && has_same_leaf(s + 1))) continue;
+      corner_of_index[sightings[s].index] = sightings[s].corner;
+      leaf_of_index[sightings[s].index] = sightings[s].leaf;
     }
-    const auto [at, is_new] = shared.try_emplace(undirected(from, to), static_cast<uint32_t>(counts.size()));
-    if (is_new) counts.emplace_back();
-    auto& of_edge = counts[at->second];
-    if (of_edge.empty() || of_edge.back().first != leaf) of_edge.emplace_back(leaf, 0U);
-    ++of_edge.back().second;
-  });
+  }
   std::vector<Border> borders(leaves.size());
-  each_edge([&](uint32_t leaf, uint32_t corner, uint32_t from, uint32_t to) {
-    const Sharing& sharing = edges[undirected(from, to)];
-    const auto at = shared.find(undirected(from, to));
-    uint32_t here = sharing.leaf == leaf ? sharing.triangles : 0;
-    if (at != shared.end())
-      for (const auto& [other, count] : counts[at->second]) here += other == leaf ? count : 0U;
-    if (here != 1) return;
-    const auto near = [&](uint32_t p) {
-      return reach_m > 0 && is_near_a_side(mesh.positions[places.first_vertex[p]], cell, reach_m);
-    };
-    if (at == shared.end() && !(near(from) && near(to))) return;
-    borders[leaf].edges.push_back({corner, 0});
-  });
+  for (size_t i = 0; i < corner_of_index.size(); ++i)
+    if (corner_of_index[i] != kNone) borders[leaf_of_index[i]].edges.push_back({corner_of_index[i], 0});
   return borders;
 }
 

@@ -23,12 +23,15 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kLeastTurnCosine = 0.2F;
 /// A triangle's height over its longest edge: flatter ones may come from no collapse of fatter ones.
 constexpr float kLeastHeight = 1e-3F;
+/// The same for triangles that lie in a plane at all.
+constexpr float kLeastPlane = 1e-4F;
 /// Of a metre that a border between colours or materials moves, to a metre that the surface does.
 constexpr float kSeamWeight = 0.5F;
 /// Of an edge of the node's border: the neighbouring node begins there.
 constexpr float kBorderWeight = 4;
-/// Of the distance to planes, which overestimates what round shapes lose.
-constexpr float kPlaneWeight = 0.5F;
+/// Of the distance to planes, which overestimates what round shapes lose. Measured: at 0.5 and 0.7 a city's fronts are
+/// the same within 1 %, and the upper levels of a soup of single faces are half as far off again.
+constexpr float kPlaneWeight = 0.6F;
 /// A metre of edge length: between collapses that cost nothing the shorter goes first, for rounder triangles.
 constexpr float kLengthWeight = 1e-4F;
 /// Cosine of the turn at an edge from which it is a crease: beyond it lies another plane.
@@ -88,11 +91,14 @@ void Collapser::add_points_along(uint32_t corner, float spacing_m) {
   }
 }
 
+/// What has been pressed flat lies in no plane, and rounding would make one up.
 void Collapser::set_normal(uint32_t triangle) {
   const uint32_t c = triangle * 3;
-  const glm::vec3 cross = glm::cross(work_.at(c + 1) - work_.at(c), work_.at(c + 2) - work_.at(c));
+  const glm::vec3 ab = work_.at(c + 1) - work_.at(c), ac = work_.at(c + 2) - work_.at(c), bc = ac - ab;
+  const glm::vec3 cross = glm::cross(ab, ac);
+  const float edge2 = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});
   const float length = glm::length(cross);
-  normals_[triangle] = length > 0 ? cross / length : glm::vec3(0);
+  normals_[triangle] = length > kLeastPlane * edge2 ? cross / length : glm::vec3(0);
 }
 
 void Collapser::find_ring(uint32_t place) {
@@ -360,6 +366,52 @@ void Collapser::add_point(const glm::vec3& point, uint32_t triangle) {
 
 void Collapser::points_on(uint32_t triangle, std::vector<glm::vec3>& points) const {
   for (uint32_t p = first_point_[triangle]; p != kNone; p = next_point_[p]) points.push_back(points_[p]);
+}
+
+float Collapser::move(const std::vector<uint32_t>& places, const std::vector<glm::vec3>& to, float limit_m) {
+  changed_.clear();
+  from_.clear();
+  for (size_t i = 0; i < places.size(); ++i) {
+    for (uint32_t c = work_.first_corner[places[i]]; c != kNone; c = work_.next_corner[c])
+      if (work_.alive[triangle_of(c)] != 0) changed_.push_back(triangle_of(c));
+    from_.push_back(work_.positions[places[i]]);
+    work_.positions[places[i]] = to[i];
+  }
+  std::sort(changed_.begin(), changed_.end());
+  changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+  float farthest2 = 0;
+  for (size_t i = 0; i < changed_.size() && farthest2 <= limit_m * limit_m; ++i)
+    farthest2 = std::max(farthest2, farthest2_on(changed_[i]));
+  const float cost_m = std::sqrt(farthest2);
+  if (cost_m > limit_m) {
+    for (size_t i = 0; i < places.size(); ++i) work_.positions[places[i]] = from_[i];
+    return cost_m;
+  }
+  for (size_t i = 0; i < places.size(); ++i) work_.model_positions[places[i]] += to[i] - from_[i];
+  for (const uint32_t t : changed_) set_normal(t);
+  return cost_m;
+}
+
+void Collapser::merge(uint32_t place, uint32_t target) {
+  find_ring(place);
+  measure(place, target, kInfinity, best_moved_);
+  collapse(place, target);
+}
+
+/// Squared: of the points on a triangle from it.
+float Collapser::farthest2_on(uint32_t triangle) {
+  if (first_point_[triangle] == kNone) return 0;
+  corners_.clear();
+  candidates_.clear();
+  add_candidate(triangle, work_.at(3 * triangle), work_.at(3 * triangle + 1), work_.at(3 * triangle + 2));
+  make_frames();
+  float farthest2 = 0;
+  for (uint32_t p = first_point_[triangle]; p != kNone; p = next_point_[p]) {
+    float distance2 = 0;
+    nearest_candidate(points_[p], distance2);
+    farthest2 = std::max(farthest2, distance2);
+  }
+  return farthest2;
 }
 
 void Collapser::unlink_dead(uint32_t place) {

@@ -12,7 +12,7 @@
 namespace promenade {
 
 /// Half-edge collapses on a work mesh: a place goes, its triangles move to a neighbour. What remains are the source's
-/// own places, so flat walls stay flat, corners sharp and attributes exact.
+/// own places, unless they are told to move: so flat walls stay flat, corners sharp and attributes exact.
 ///
 /// Costs are distances in metres, in two steps. The estimate looks at planes: how far the target lies from those of the
 /// triangles that move, and from the lines of open edges and of edges where material or colour changes. The measurement
@@ -56,6 +56,13 @@ class Collapser {
 
   /// Places that share a triangle with the place that choose() was last asked about, each once.
   void chosen_ring(std::vector<uint32_t>& ring) const;
+
+  /// Moves places, unless that leaves a point farther than limit_m from the triangle that it is on. Returns the largest
+  /// such distance, or less, over the limit, where nothing has moved. places: each once; to: of each of them.
+  float move(const std::vector<uint32_t>& places, const std::vector<glm::vec3>& to, float limit_m);
+
+  /// Collapses a place onto another in the same position that it shares a triangle with.
+  void merge(uint32_t place, uint32_t target);
 
   /// For each point the triangle nearest to it around the place of the same index; kNone where there are none. Returns
   /// the largest distance. Quicker where neighbours in the lists have the same place.
@@ -106,6 +113,7 @@ class Collapser {
   void add_candidate(uint32_t triangle, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
   void gather_around(uint32_t place);
   uint32_t nearest_candidate(const glm::vec3& point, float& distance2) const;
+  float farthest2_on(uint32_t triangle);
   void attach(uint32_t point, uint32_t triangle);
 
   WorkMesh& work_;
@@ -133,6 +141,8 @@ class Collapser {
   std::vector<TriangleFrames> frames_;  // of the same triangles
   std::vector<uint32_t> candidates_;
   std::vector<Moved> moved_, best_moved_;
+  std::vector<uint32_t> changed_;               // triangles
+  std::vector<glm::vec3> from_;                 // where places were before a move
   std::vector<std::array<uint32_t, 2>> leads_;  // attributes of the place, those of the target
   std::vector<std::array<uint32_t, 2>> twins_;  // triangles gone, and those that lie there
 };

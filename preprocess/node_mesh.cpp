@@ -145,6 +145,15 @@ bool loses_surface_on_grid(const Mesh& mesh, float step_m) {
   std::vector<glm::vec3> rounded;
   rounded.reserve(mesh.vertex_count());
   for (const glm::vec3& p : mesh.positions) rounded.push_back(snapped(p, step_m));
+  // Most meshes keep every triangle, which is quickly seen.
+  const auto collapses = [&](size_t t) {
+    const glm::vec3 &a = rounded[mesh.indices[3 * t]], &b = rounded[mesh.indices[3 * t + 1]],
+                    &c = rounded[mesh.indices[3 * t + 2]];
+    return a == b || b == c || c == a;
+  };
+  size_t first = 0;
+  while (first < mesh.triangle_count() && !collapses(first)) ++first;
+  if (first == mesh.triangle_count()) return false;
   const Places places = find_places(rounded);
   const auto corners = [&](size_t t) {
     std::array<uint32_t, 3> v{};
@@ -153,9 +162,8 @@ bool loses_surface_on_grid(const Mesh& mesh, float step_m) {
     return v;
   };
   std::vector<size_t> collapsed;
-  for (size_t t = 0; t < mesh.triangle_count(); ++t)
-    if (const auto v = corners(t); v[0] == v[1] || v[1] == v[2]) collapsed.push_back(t);
-  if (collapsed.empty()) return false;
+  for (size_t t = first; t < mesh.triangle_count(); ++t)
+    if (collapses(t)) collapsed.push_back(t);
   std::vector<uint8_t> remains(places.count(), 0);
   std::unordered_set<uint64_t> edges;
   const auto edge = [](uint32_t a, uint32_t b) { return uint64_t(a) << 32U | b; };

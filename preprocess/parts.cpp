@@ -72,13 +72,14 @@ void Parts::build_tree() {
   tree_ = ClosestPointTree(positions_, indices);
 }
 
-float Parts::first_look(uint32_t part) {
+float Parts::first_look(uint32_t part, float limit_m) {
   looked_at_[part] = 1;
   farthest_[part] = positions_[indices_[size_t(triangles_[part].front()) * 3]];
   const uint8_t hidden_before = hidden_[part];
   hidden_[part] = 1;
   const float distance2 = tree_
-                              .nearest(farthest_[part], {.group_of_triangle = part_of_tree_triangle_.data(),
+                              .nearest(farthest_[part], {.enough_distance2_m2 = limit_m * limit_m,
+                                                         .group_of_triangle = part_of_tree_triangle_.data(),
                                                          .group_hidden = hidden_.data()})
                               .distance2_m2;
   hidden_[part] = hidden_before;

@@ -31,8 +31,9 @@ class Parts {
     uint32_t tree_triangle;  ///< where to begin to look again
   };
 
-  /// Distance of one of a part's places to the parts that remain without it; infinite where none does.
-  float first_look(uint32_t part);
+  /// Distance of one of a part's places to the parts that remain without it; infinite where none does. Within the limit
+  /// that of any triangle that near.
+  float first_look(uint32_t part, float limit_m);
   bool looked_at(uint32_t part) const { return looked_at_[part] != 0; }
 
   /// Largest distance of the points to the parts that remain without `part`; infinite where none does. Where that is

@@ -9,6 +9,7 @@
 #include "preprocess/cost_queue.h"
 #include "preprocess/parts.h"
 #include "preprocess/patches.h"
+#include "preprocess/relief_press.h"
 #include "preprocess/work_mesh.h"
 
 namespace promenade {
@@ -35,6 +36,9 @@ constexpr float kSheetHeight = 1.15F / 8;
 /// How far above paint the surface may have come to lie that is to be beneath it, in shares of the largest cost.
 constexpr float kSheetReach = 1.5F;
 
+/// Of the surface's diagonal: deeper reliefs are not pressed flat.
+constexpr float kDeepestRelief = 1.0F / 64;
+
 /// Between points along creases, in shares of the side of a square as large as a triangle of the result. Measured: see
 /// bench_simplify.
 constexpr double kSpacing = 0.15;
@@ -48,7 +52,8 @@ float point_spacing_m(const WorkMesh& work, uint32_t target) {
   return std::max(spacing_m, std::numeric_limits<float>::min());
 }
 
-/// Collapses and removals of parts in one queue, cheapest first: items are places, then parts.
+/// Collapses, removals of parts, liftings of patches and pressings of reliefs in one queue, cheapest first: items are
+/// numbered in this order.
 class Simplifier {
  public:
   Simplifier(WorkMesh& work, const Mesh& source, const SimplifyOptions& options, const Border& border)
@@ -60,7 +65,8 @@ class Simplifier {
         wanted_(std::max(options.target_triangles, 1U)),
         target_(wanted_),
         collapser_(work, source, borders_, point_spacing_m(work, target_)),
-        queue_(static_cast<uint32_t>(work.place_count() + parts_.count() + patches_.size())),
+        press_(work, collapser_, borders_, find_reliefs(work, kDeepestRelief * bounds(source).diagonal()), patches_),
+        queue_(static_cast<uint32_t>(work.place_count() + parts_.count() + patches_.size() + press_.count())),
         alive_in_part_(parts_.count()),
         paint_m_(parts_.count(), -1.0F),
         firm_m_(work.place_count(), 0.0F) {
@@ -74,6 +80,7 @@ class Simplifier {
   SimplifyFigures run(const std::function<size_t(const Mesh&, const Border&)>& besides) {
     queue_parts();
     for (uint32_t i = 0; i < patches_.size(); ++i) queue_.set(places() + parts_.count() + i, 0);
+    for (uint32_t i = 0; i < press_.count(); ++i) queue_.set(first_relief() + i, press_.first_cost(i));
     queue_places();
     reduce();
     for (int round = 0; besides && round < kMostRounds; ++round) {
@@ -104,6 +111,7 @@ class Simplifier {
     return true;
   }
 
+  uint32_t first_relief() const { return places() + parts_.count() + static_cast<uint32_t>(patches_.size()); }
   uint32_t places() const { return static_cast<uint32_t>(work_.place_count()); }
 
   void queue_parts() {
@@ -120,7 +128,9 @@ class Simplifier {
   void drain() {
     while (work_.alive_count > target_ && !queue_.empty()) {
       const uint32_t item = queue_.top();
-      if (item >= places() + parts_.count())
+      if (item >= first_relief())
+        try_relief(item - first_relief());
+      else if (item >= places() + parts_.count())
         try_patch(item - places() - parts_.count());
       else if (item >= places())
         try_part(item - places());
@@ -201,6 +211,21 @@ class Simplifier {
         }
   }
 
+  void try_relief(uint32_t index) {
+    const float queued = queue_.top_cost();
+    queue_.remove(first_relief() + index);
+    const float limit = patience(queued);
+    const uint32_t before = work_.alive_count;
+    const float cost = press_.press(index, limit);
+    if (cost > limit) return queue_.set(first_relief() + index, cost);
+    reached_m_ = std::max(reached_m_, cost);
+    alive_in_part_[parts_.of_place(press_.changed().front())] -= before - work_.alive_count;
+    for (const uint32_t place : press_.changed()) {
+      firm_m_[place] = 0;
+      queue_again(place);
+    }
+  }
+
   /// What costs no more than this may as well be done now: the rest of the queue costs about as much.
   float patience(float queued) const { return std::max(queued, queue_.empty() ? 0 : queue_.top_cost()) * kPatience; }
 
@@ -209,7 +234,7 @@ class Simplifier {
     queue_.remove(places() + part);
     const float limit = patience(queued);
     if (!parts_.looked_at(part))  // most are far too dear, as any of their points shows, and never looked at again
-      if (const float cost = parts_.first_look(part); cost > limit) return queue_.set(places() + part, cost);
+      if (const float cost = parts_.first_look(part, limit); cost > limit) return queue_.set(places() + part, cost);
     gather_points(part, limit);
     float& paint = paint_m_[part];  // asked once: its surroundings change little before it goes
     if (paint < 0) paint = paint_cost(part);
@@ -308,6 +333,7 @@ class Simplifier {
   uint32_t target_;        // without
   int rules_loosened_ = 0;
   Collapser collapser_;
+  ReliefPress press_;
   CostQueue queue_;
   std::vector<uint32_t> alive_in_part_;
   std::vector<float> paint_m_;  // of each part: paint_cost, once it has been asked; less than 0 before

@@ -193,7 +193,7 @@ class Direction {
       if (stack_.empty()) continue;
       const Piece whole = stack_.back();
       for (uint32_t cuts = 0; !stack_.empty() && cuts < kCutsAtOnce; ++cuts) {
-        const Piece top = stack_.back();
+        Piece top = stack_.back();
         stack_.pop_back();
         bound_piece(top);
       }
@@ -204,7 +204,7 @@ class Direction {
   }
 
   /// One cut of an open piece; what it leaves is open again.
-  void cut_open(const Piece& piece) {
+  void cut_open(Piece& piece) {
     bound_piece(piece);
     leave_open();
   }
@@ -221,8 +221,8 @@ class Direction {
     stack_.clear();
   }
 
-  /// Settles a piece or cuts it up.
-  void bound_piece(Piece piece) {
+  /// Settles a piece or cuts it up. Not one of the stack's.
+  void bound_piece(Piece& piece) {
     if (piece.bound <= measure_.good_enough() || piece.depth >= kMaxDepth) return settle(piece.bound);
     glm::vec3 center(0);
     for (uint32_t i = 0; i < piece.count; ++i) center += piece.corners[i];
@@ -384,7 +384,7 @@ class Direction {
 void cut_open(std::array<Direction, 2>& sides, size_t cuts, Measure& measure) {
   OpenPieces& open = measure.open;
   for (; cuts > 0 && !open.empty() && !open.full() && open.largest_bound() > measure.good_enough(); --cuts) {
-    const auto [piece, side] = open.take();
+    auto [piece, side] = open.take();
     sides[side].cut_open(piece);
   }
   if (!open.empty()) measure.accepted = std::max(measure.accepted, open.largest_bound());

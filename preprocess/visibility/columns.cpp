@@ -281,7 +281,7 @@ SolidColumns ColumnBuilder::finish(SlipRule rule) {
   std::vector<Touch> sorted(touches_.size());
   std::vector<size_t> at(begin.begin(), begin.end() - 1);
   for (const PlacedTouch& t : touches_) sorted[at[t.column]++] = t.touch;
-  touches_ = {};
+  touches_ = {}, at = {};
 
   std::vector<Run> runs;
   std::vector<size_t> first = {0};
@@ -304,6 +304,7 @@ SolidColumns ColumnBuilder::finish(SlipRule rule) {
     runs.push_back({floor, kFar, 0});
     first.push_back(runs.size());
   }
+  sorted = {}, begin = {};
   Flood flood(grid_, rule, std::move(runs), std::move(first));
   flood.run();
   return flood.solid();

@@ -1,11 +1,12 @@
 #include "preprocess/visibility/occluders.h"
 
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <mutex>
+#include <memory>
 #include <optional>
 
 #include "preprocess/visibility/columns.h"
@@ -445,22 +446,34 @@ Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOp
   const auto tiles_x = static_cast<size_t>(double(box.size().x) / options.tile_m) + 1;
   const auto tiles_y = static_cast<size_t>(double(box.size().y) / options.tile_m) + 1;
   const auto side = static_cast<float>(options.tile_m);
-  std::vector<std::optional<Result<TileResult>>> made(tiles_x * tiles_y);
+  const size_t tiles = tiles_x * tiles_y;
   set.ground = make_ground(box);
-  std::atomic<size_t> done = 0;
-  tbb::parallel_for(size_t(0), made.size(), [&](size_t i) {
-    Box core = box;
-    core.min.x += side * float(i % tiles_x), core.min.y += side * float(i / tiles_x);
-    core.max.x = core.min.x + side, core.max.y = core.min.y + side;
-    made[i] = work_tile(model, core, box, set.ground, options, monitor);
-    monitor.progress("occluders", ++done, made.size());
-  });
-  for (std::optional<Result<TileResult>>& tile : made) {
-    if (!tile->ok()) return tile->error();
-    append(set, (*tile)->set);
-    add_tile(set.ground, **tile);
-    tile.reset();
-  }
+  // Appended in order as they are made: what waits is little.
+  std::optional<Error> failure;
+  std::atomic<bool> stop = false;
+  size_t next = 0, done = 0;
+  using Made = std::shared_ptr<Result<TileResult>>;
+  tbb::parallel_pipeline(
+      2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()),
+      tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) {
+        if (next == tiles || stop) flow.stop();
+        return next++;
+      }) & tbb::make_filter<size_t, Made>(tbb::filter_mode::parallel, [&](size_t i) {
+        Box core = box;
+        core.min.x += side * float(i % tiles_x), core.min.y += side * float(i / tiles_x);
+        core.max.x = core.min.x + side, core.max.y = core.min.y + side;
+        return std::make_shared<Result<TileResult>>(work_tile(model, core, box, set.ground, options, monitor));
+      }) & tbb::make_filter<Made, void>(tbb::filter_mode::serial_in_order, [&](const Made& tile) {
+        if (!tile->ok()) {
+          if (!failure) failure = tile->error();
+          stop = true;
+        } else if (!failure) {
+          append(set, (*tile)->set);
+          add_tile(set.ground, **tile);
+        }
+        monitor.progress("occluders", ++done, tiles);
+      }));
+  if (failure) return *failure;
   complete(set.ground);
   return set;
 }

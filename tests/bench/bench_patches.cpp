@@ -1,8 +1,10 @@
-// Finding the flat patches of another colour in a node's triangles, and raising the sheets that they become.
+// Finding the flat patches of another colour in a node's triangles, and raising the sheets that they become; finding
+// the reliefs of walls and windows.
 
 #include <benchmark/benchmark.h>
 
 #include "preprocess/patches.h"
+#include "preprocess/relief.h"
 #include "tests/preprocess/surfaces.h"
 
 namespace promenade {
@@ -29,6 +31,17 @@ void BM_add_patches(benchmark::State& state) {
   count_triangles(state, whole, patches);
 }
 BENCHMARK(BM_add_patches)->Unit(benchmark::kMicrosecond);
+
+/// The same houses: every wall and its panes.
+void BM_find_reliefs(benchmark::State& state) {
+  const WorkMesh work = make_work_mesh(test::box_city_block());
+  size_t reliefs = 0;
+  for (auto _ : state) reliefs = find_reliefs(work, 1).size();
+  state.counters["triangles_per_s"] =
+      benchmark::Counter(double(work.triangle_count()), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["reliefs"] = double(reliefs);
+}
+BENCHMARK(BM_find_reliefs)->Unit(benchmark::kMicrosecond);
 
 /// The same walls, every pane lifted.
 void BM_raise_sheets(benchmark::State& state) {

@@ -2,6 +2,7 @@
 
 #include "program.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -234,6 +235,38 @@ TEST_F(SmallCity, study_hiders_compares_chains_by_size_of_cell) {
   const std::string page = read_text(folder() / "hiders.html");
   for (const char* text : {"</html>", "Cost by size of cell, city", "Quality by size of cell, city", ">6 m</text>"})
     EXPECT_NE(page.find(text), std::string::npos) << text;
+}
+
+TEST_F(SmallCity, study_hiders_tells_of_cells_one_by_one_and_of_one_that_is_asked_for) {
+  const std::string study = "study hiders city.prom --hiders backface,horizon --views 12 ";
+  const ProgramRun run = run_program(study + "--place cells --cells 3 --eyes 2 --list --json cells.json", folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "cells.json");
+  ASSERT_EQ(figures["studied"].size(), figures["cells"]);
+  double kept = 0, ratios = 0;
+  for (const json& cell : figures["studied"])
+    kept += cell["kept_nodes"].get<double>(), ratios += cell["overestimate_ratio"].get<double>();
+  const auto count = figures["cells"].get<double>();
+  EXPECT_NEAR(figures["chains"][0]["nodes_mean"].get<double>(), kept / count, 1e-6);
+  EXPECT_NEAR(figures["chains"][0]["overestimate_ratio_mean"].get<double>(), ratios / count, 1e-6);
+  const json& drawn = figures["cull_methods"];
+  ASSERT_EQ(drawn.size(), 3U) << "of the cell, of these in view, of the eye";
+  EXPECT_LE(drawn[1]["triangles_mean"], drawn[0]["triangles_mean"]);
+  EXPECT_LE(drawn[2]["triangles_mean"], drawn[1]["triangles_mean"]);
+
+  const json& first = figures["studied"][0];
+  const auto middle = [&](size_t axis) {
+    return (first["min"][axis].get<double>() + first["max"][axis].get<double>()) / 2;
+  };
+  const std::string at = fmt::format("--at={},{},{} ", middle(0), middle(1), middle(2));
+  ASSERT_EQ(run_program(study + at + "--json cell.json", folder()).exit_code, 0);
+  const json asked = json_in(folder() / "cell.json")["studied"];
+  ASSERT_EQ(asked.size(), 1U);
+  EXPECT_EQ(asked[0]["min"], first["min"]);
+  EXPECT_EQ(asked[0]["kept_nodes"], first["kept_nodes"]);
+  const ProgramRun outside = run_program(study + "--at=1e5,0,0", folder());
+  EXPECT_EQ(outside.exit_code, 1);
+  EXPECT_NE(outside.err.find("no view cell holds 100000,0,0"), std::string::npos) << outside.err;
 }
 
 TEST_F(SmallCity, flight_becomes_a_video_or_says_what_is_missing) {

@@ -245,7 +245,7 @@ TEST(Simplify, windows_go_before_walls) {
   const Mesh city = box_city_block();
   const Mesh result = simplified(city, uint32_t(city.triangle_count()) / 8);
   expect_sound(city, result, uint32_t(city.triangle_count()) / 8);
-  EXPECT_LT(surface_distance(city, result).bound_m, 0.5F);
+  EXPECT_LT(surface_distance(city, result, 0.04).bound_m, 0.5F);
 }
 
 TEST(Simplify, a_thin_wall_keeps_both_its_sides) {
