@@ -50,7 +50,7 @@ struct LoaderOptions {
   /// of what matters most; 0: never, as published. Smaller: fewer seeks, more that comes early.
   double along_share = 0.25;
   /// Pictures with a longer side that nodes share are halved until they fit; 0: none is. nullopt: as far as those that
-  /// a view cell sees need to fit into three quarters of what the bound leaves for nodes: better all of them in half
+  /// a view cell sees need to fit into seven eighths of what the bound leaves for nodes: better all of them in half
   /// the resolution than half of them, for what lacks one picture is drawn as its ancestor.
   std::optional<uint32_t> texture_side;
 };

@@ -49,6 +49,8 @@ uint64_t cell_bytes(const ModelSource& source, const VlodStore& vlods) {
          largest * sizeof(NodeId) * (1 + kMostSoonSets);
 }
 
+/// Part of what the bound leaves for nodes that is not for pictures that nodes share.
+constexpr uint64_t kMeshesPart = 8;
 constexpr int kWarmUpFrames = 3;
 constexpr int kOverheadFrames = 8;
 /// Frames in a row without change after which a picture stands still. Time slices may take as many as a counter needs
@@ -171,7 +173,7 @@ TextureLimit Session::State::texture_limit(uint64_t taken_bytes) const {
   const LoaderOptions& loading = options.loader;
   if (loading.texture_side) return {*loading.texture_side > 0 ? *loading.texture_side : kAnySide};
   const uint64_t left = loading.memory_bytes - std::min(loading.memory_bytes, taken_bytes);
-  return texture_limit_for(source, renderer, left - left / 4);
+  return texture_limit_for(source, left - left / kMeshesPart);
 }
 
 /// Far pictures, if the model has some: where the policy asks for them, or memory is plenty and it may come to that.

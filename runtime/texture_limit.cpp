@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <glm/vec2.hpp>
 #include <vector>
 
 namespace promenade {
@@ -9,6 +10,12 @@ namespace {
 
 constexpr uint32_t kSmallestSide = 64;
 constexpr size_t kMostCells = 64;  // looked at: a blink, however many there are
+
+glm::uvec2 limited_size(const TextureRecord& texture, const TextureLimit& limit) {
+  uint32_t halvings = 0;
+  while (std::max(texture.width, texture.height) >> halvings > limit.of(texture)) ++halvings;
+  return {std::max(1U, texture.width >> halvings), std::max(1U, texture.height >> halvings)};
+}
 
 /// Shared pictures of what a cell sees, each once.
 std::vector<uint32_t> shared_textures(const ModelSource& source, CellId cell) {
@@ -27,13 +34,17 @@ std::vector<uint32_t> shared_textures(const ModelSource& source, CellId cell) {
 }  // namespace
 
 uint64_t limited_bytes_bound(const TextureRecord& texture, const Renderer& renderer, const TextureLimit& limit) {
-  uint32_t halvings = 0;
-  while (std::max(texture.width, texture.height) >> halvings > limit.of(texture)) ++halvings;
-  return renderer.texture_bytes_bound(std::max(1U, texture.width >> halvings),
-                                      std::max(1U, texture.height >> halvings));
+  const glm::uvec2 size = limited_size(texture, limit);
+  return renderer.texture_bytes_bound(size.x, size.y);
 }
 
-TextureLimit texture_limit_for(const ModelSource& source, const Renderer& renderer, uint64_t bytes) {
+uint64_t limited_bytes(const TextureRecord& texture, const TextureLimit& limit) {
+  const glm::uvec2 size = limited_size(texture, limit);
+  const uint64_t texel_bytes = (texture.flags & TextureRecord::kHasOpacity) != 0 ? 5 : 4;
+  return uint64_t(size.x) * size.y * texel_bytes * 4 / 3;
+}
+
+TextureLimit texture_limit_for(const ModelSource& source, uint64_t bytes) {
   const Model& model = source.model();
   TextureLimit limit;
   if (source.cells() == nullptr || model.tables.textures.empty()) return limit;
@@ -48,7 +59,7 @@ TextureLimit texture_limit_for(const ModelSource& source, const Renderer& render
   }
   const auto fits = [&](const std::vector<uint32_t>& textures) {
     uint64_t sum = 0;
-    for (const uint32_t texture : textures) sum += limited_bytes_bound(model.tables.textures[texture], renderer, limit);
+    for (const uint32_t texture : textures) sum += limited_bytes(model.tables.textures[texture], limit);
     return sum <= bytes;
   };
   for (uint32_t side = std::bit_floor(largest); side >= kSmallestSide && !std::all_of(seen.begin(), seen.end(), fits);

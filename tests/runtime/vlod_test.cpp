@@ -310,18 +310,17 @@ struct PaintedStreet : Street {
 
 TEST(TextureLimit, is_the_largest_at_which_a_cell_s_pictures_fit) {
   PaintedStreet model;
-  const NullRenderer renderer;
-  const auto bytes = [&renderer](uint32_t side) { return renderer.texture_bytes_bound(side, side); };
+  const auto bytes = [](uint32_t side) { return limited_bytes({side, side, 0, 0}, {}); };
   const uint64_t whole = 2 * bytes(1024) + bytes(256);
-  EXPECT_EQ(texture_limit_for(model, renderer, whole).side_px, kAnySide);
-  EXPECT_EQ(texture_limit_for(model, renderer, whole - 1).side_px, 512U);
-  EXPECT_EQ(texture_limit_for(model, renderer, 2 * bytes(512) + bytes(256)).side_px, 512U);
-  EXPECT_EQ(texture_limit_for(model, renderer, 3 * bytes(128)).side_px, 128U);
-  EXPECT_EQ(texture_limit_for(model, renderer, 0).side_px, 64U) << "no smaller";
+  EXPECT_EQ(texture_limit_for(model, whole).side_px, kAnySide);
+  EXPECT_EQ(texture_limit_for(model, whole - 1).side_px, 512U);
+  EXPECT_EQ(texture_limit_for(model, 2 * bytes(512) + bytes(256)).side_px, 512U);
+  EXPECT_EQ(texture_limit_for(model, 3 * bytes(128)).side_px, 128U);
+  EXPECT_EQ(texture_limit_for(model, 0).side_px, 64U) << "no smaller";
   model.has_cells = false;
-  EXPECT_EQ(texture_limit_for(model, renderer, 0).side_px, kAnySide) << "nothing tells what is seen together";
+  EXPECT_EQ(texture_limit_for(model, 0).side_px, kAnySide) << "nothing tells what is seen together";
   model.has_cells = true, model.broken = true;
-  EXPECT_EQ(texture_limit_for(model, renderer, 0).side_px, kAnySide);
+  EXPECT_EQ(texture_limit_for(model, 0).side_px, kAnySide);
 }
 
 TEST(TextureLimit, bounds_what_is_loaded_but_atlases) {
