@@ -32,10 +32,10 @@ struct SimplifyFigures {
 /// flip, then the smallest go. Flat patches of another colour, such as panes in a wall, are lifted off and become
 /// sheets of their own, so that the wall can close beneath them; sheets lie above what they are painted on in the end,
 /// by `sheet_height_m`, which a grid should not exceed. A wall and its panes, and other reliefs, are pressed onto one
-/// plane between them. All other positions, and those on borders, are the mesh's own, bit by bit; normals, colours, texture coordinates and materials of what remains are taken from it, but a normal that
-/// would light the wrong side becomes its triangle's own. A mesh that is at the target already, with what comes
-/// besides, comes back as it is; else degenerate and repeated triangles go first, so that nothing remains of a mesh
-/// that has only degenerate ones.
+/// plane between them. All other positions, and those on borders, are the mesh's own, bit by bit; normals, colours,
+/// texture coordinates and materials of what remains are taken from it, but a normal that would light the wrong side
+/// becomes its triangle's own. A mesh that is at the target already, with what comes besides, comes back as it is; else
+/// degenerate and repeated triangles go first, so that nothing remains of a mesh that has only degenerate ones.
 /// find_defect(mesh) empty. Deterministic. Pure; any thread.
 ///
 /// border: becomes that of the result; the same as before where the mesh comes back as it is.

@@ -117,9 +117,9 @@ struct SelectOptions {
   double distance_min_diagonals = 0.25;
 };
 
-/// Whatever is asked for now goes before all that is only foreseen, and that before what is just still there: priorities
-/// are scaled by these. Without the gap, what lies behind the eye, or is foreseen close by, would drive out what is seen
-/// far away, since priorities fall with the square of the distance.
+/// Whatever is asked for now goes before all that is only foreseen, and that before what is just still there:
+/// priorities are scaled by these. Without the gap, what lies behind the eye, or is foreseen close by, would drive out
+/// what is seen far away, since priorities fall with the square of the distance.
 constexpr float kForeseenPriority = 1e-12F, kRememberedPriority = 1e-24F;
 
 /// What a selection sees.

@@ -36,14 +36,6 @@ Mesh tiled_square(uint32_t side) {
   return mesh;
 }
 
-Camera along_y(uint32_t side) {
-  Camera camera;
-  camera.pose.yaw_deg = 90;
-  camera.width_px = camera.height_px = side;
-  camera.vertical_fov_deg = 2 * std::atan(0.5) * 180 / M_PI;  // the square fills the picture
-  return camera;
-}
-
 TEST(PreparedMesh, normals_light_as_the_given_ones) {
   std::vector<glm::vec3> normals = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   Random random(3);

@@ -149,6 +149,15 @@ inline Scene hostile_scene(uint64_t seed) {
   return scene;
 }
 
+/// Looks along +y from the origin; a square of side 4 at y = 4 fills the picture.
+inline Camera along_y(uint32_t side_px) {
+  Camera camera;
+  camera.pose.yaw_deg = 90;
+  camera.width_px = camera.height_px = side_px;
+  camera.vertical_fov_deg = 2 * std::atan(0.5) * 180 / M_PI;
+  return camera;
+}
+
 inline Camera random_camera(Random& random, double half, uint32_t width, uint32_t height) {
   Camera camera;
   camera.pose.eye = random.point(half);

@@ -100,14 +100,6 @@ Scene wall(const Image& image, float slant = 0) {
   return scene;
 }
 
-Camera along_y(uint32_t side) {
-  Camera camera;
-  camera.pose.yaw_deg = 90;
-  camera.width_px = camera.height_px = side;
-  camera.vertical_fov_deg = 2 * std::atan(0.5) * 180 / M_PI;  // the wall fills the picture
-  return camera;
-}
-
 TEST(Shade, a_ramp_on_a_slanted_wall_is_right_in_perspective) {
   Image ramp;
   ramp.width = 256, ramp.height = 1;
