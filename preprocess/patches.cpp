@@ -143,17 +143,38 @@ class PatchFinder {
         if (!same_material || contrast < kLeastContrast) continue;
         bordered += edge_m;
         candidate.around.push_back(t2);
-        ground_.push_back({work_.place[c], work_.attributes[other]});
-        ground_.push_back({work_.place[next_in_triangle(c)], work_.attributes[previous_in_triangle(other)]});
+        ground_.push_back({work_.place[c], work_.attributes[other], edge_m});
+        ground_.push_back({work_.place[next_in_triangle(c)], work_.attributes[previous_in_triangle(other)], edge_m});
       }
     }
-    if (!liftable || patch.triangles.size() > kMostSheetTriangles || bordered < kLeastBordered * length) return false;
+    if (!liftable || ground_.empty() || patch.triangles.size() > kMostSheetTriangles ||
+        bordered < kLeastBordered * length)
+      return false;
+    keep_longest_ground();
     for (uint32_t& corner : patch.outline) corner = work_.place[corner];
     std::sort(patch.outline.begin(), patch.outline.end());
     patch.outline.erase(std::unique(patch.outline.begin(), patch.outline.end()), patch.outline.end());
     for (const uint32_t t : patch.triangles)
       for (uint32_t c = t * 3; c < t * 3 + 3; ++c) patch.ground.push_back(ground_at(work_.place[c]));
     return true;
+  }
+
+  /// Of several grounds, that along most of the border alone: what closes beneath the patch would run from one colour
+  /// into another, and large triangles made of it, too.
+  void keep_longest_ground() {
+    color_lengths_.clear();
+    for (const Ground& g : ground_) {
+      const glm::u8vec4& its = source_.colors[g.attributes];
+      const auto known = std::find_if(color_lengths_.begin(), color_lengths_.end(),
+                                      [&its](const auto& other) { return other.first == its; });
+      if (known == color_lengths_.end())
+        color_lengths_.emplace_back(its, g.edge_m);
+      else
+        known->second += g.edge_m;
+    }
+    const auto longest = std::max_element(color_lengths_.begin(), color_lengths_.end(),
+                                          [](const auto& a, const auto& b) { return a.second < b.second; });
+    std::erase_if(ground_, [&](const Ground& g) { return source_.colors[g.attributes] != longest->first; });
   }
 
   uint32_t ground_at(uint32_t place) const {
@@ -191,11 +212,13 @@ class PatchFinder {
 
   struct Ground {
     uint32_t place, attributes;
+    float edge_m;  ///< of the border there
   };
   WorkMesh& work_;
   const Mesh& source_;
   std::vector<uint32_t> patch_of_;
   std::vector<Ground> ground_;
+  std::vector<std::pair<glm::u8vec4, float>> color_lengths_;  ///< of the border
   std::vector<std::pair<uint32_t, uint32_t>> copies_;
 };
 

@@ -109,6 +109,22 @@ TEST(Patches, a_lifted_patch_leaves_the_colour_around_it_and_nothing_else_change
   EXPECT_NEAR(area_of_color(lifted, kWall), area_of_color(wall, kWall) + area_of_color(wall, kGlass), 1e-5);
 }
 
+TEST(Patches, what_closes_beneath_a_patch_between_two_grounds_has_the_colour_of_the_longer_border) {
+  Mesh mesh;
+  add_slab(mesh, 4, 5, 0, kGlass);
+  add_quad(mesh, {5, 4, 0}, {9, 4, 0}, {9, 5, 0}, {5, 5, 0}, kGrass);
+  add_quad(mesh, {0, 4, 0}, {4, 4, 0}, {4, 5, 0}, {0, 5, 0}, kWall);
+  add_quad(mesh, {4, 0, 0}, {5, 0, 0}, {5, 4, 0}, {4, 4, 0}, kGrass);
+  add_quad(mesh, {4, 5, 0}, {5, 5, 0}, {5, 9, 0}, {4, 9, 0}, kGrass);
+  WorkMesh work = make_work_mesh(mesh);
+  const std::vector<Patch> patches = add_patches(work, mesh);
+  ASSERT_EQ(patches.size(), 1U);
+  lift(patches.front(), work);
+  const Mesh lifted = finish(work, mesh);
+  EXPECT_NEAR(area_of_color(lifted, kGrass), area_of_color(mesh, kGrass) + 1, 1e-5);
+  EXPECT_NEAR(area_of_color(lifted, kWall), area_of_color(mesh, kWall), 1e-5);
+}
+
 TEST(Patches, sheets_rise_above_what_has_come_to_cover_them_and_stay_in_order) {
   Mesh mesh = flat_grid(8, 20);
   mesh.colors.assign(mesh.vertex_count(), kWall);
