@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
-#include <set>
 
 #include "runtime/cursor.h"
 #include "runtime/flight.h"
@@ -136,35 +136,50 @@ TEST(SoonMarks, are_the_union_of_what_the_next_cells_see) {
   EXPECT_TRUE(soon.has(NodeId{2}) && soon.leads_to_some(NodeId{0}));
 }
 
-TEST(LookAhead, prices_what_only_the_next_cells_see) {
-  Forest model;
+/// Grows a tree of which a cell sees the node 2 and what is under it; returns a leaf of the rest.
+NodeId grow_half_hidden(Forest& model) {
   model.grow(model.root({{10, -8, -1}, {10.5F, 8, 1}}, 2), 3, 2);
-  const NodeId leaf = model.model().children_of(NodeId{3}).front();
-  VlodMarks marks(model.model());
-  marks.change_to(std::vector<NodeId>{NodeId{2}});
-  SoonMarks soon(model.model());
-  soon.change_to({{CellId{1}, std::make_shared<const Vlod>(Vlod{{leaf}, 0})}});
-  const std::vector<uint8_t> resident(model.model().tables.nodes.size(), 1);
-  for (const Policy policy : {Policy::vlod, Policy::vlod_time_slices}) {
-    SelectOptions options;
+  return model.model().children_of(NodeId{3}).front();
+}
+
+/// Into that tree, under a policy.
+struct HalfHiddenChoice {
+  HalfHiddenChoice(const Forest& model, Policy policy) : marks(model.model()) {
+    marks.change_to(std::vector<NodeId>{NodeId{2}});
     options.policy = policy;
     options.pixel_error = 0.1;
-    SelectView view;
     view.camera = scenes::looking_along_x();
     view.vlod = &marks;
-    SelectState state;
-    Selection selection;
-    const auto priced = [&] {
-      select(model.model(), view, resident, options, state, selection);
-      std::set<NodeId> ids;
-      for (const PriorityUpdate& u : selection.updates) ids.insert(u.node);
-      return ids;
-    };
-    EXPECT_FALSE(priced().contains(leaf)) << "hidden from here";
-    view.soon = &soon;
-    EXPECT_TRUE(priced().contains(leaf)) << name_of(policy);
-    EXPECT_GT(selection.nodes_foreseen, 0U);
-    for (const NodeId id : selection.front) {
+  }
+  HalfHiddenChoice(const HalfHiddenChoice&) = delete;
+  HalfHiddenChoice& operator=(const HalfHiddenChoice&) = delete;
+  /// Whether the node is among what is to be loaded.
+  bool asks_for(const Forest& model, NodeId node) {
+    const std::vector<uint8_t> resident(model.model().tables.nodes.size(), 1);
+    select(model.model(), view, resident, options, state, selection);
+    return std::any_of(selection.updates.begin(), selection.updates.end(),
+                       [node](const PriorityUpdate& u) { return u.node == node; });
+  }
+
+  VlodMarks marks;
+  SelectOptions options;
+  SelectView view;
+  SelectState state;
+  Selection selection;
+};
+
+TEST(LookAhead, prices_what_only_the_next_cells_see) {
+  Forest model;
+  const NodeId leaf = grow_half_hidden(model);
+  SoonMarks soon(model.model());
+  soon.change_to({{CellId{1}, std::make_shared<const Vlod>(Vlod{{leaf}, 0})}});
+  for (const Policy policy : {Policy::vlod, Policy::vlod_time_slices}) {
+    HalfHiddenChoice choice(model, policy);
+    EXPECT_FALSE(choice.asks_for(model, leaf)) << "hidden from here";
+    choice.view.soon = &soon;
+    EXPECT_TRUE(choice.asks_for(model, leaf)) << name_of(policy);
+    EXPECT_GT(choice.selection.nodes_foreseen, 0U);
+    for (const NodeId id : choice.selection.front) {
       EXPECT_NE(id, leaf);
       EXPECT_NE(id, NodeId{3});
     }
@@ -201,29 +216,13 @@ TEST(LookAhead, what_is_foreseen_goes_after_all_that_is_asked_for) {
 
 TEST(LookAhead, an_eye_about_to_leave_the_cells_foresees_what_the_tree_asks_for) {
   Forest model;
-  model.grow(model.root({{10, -8, -1}, {10.5F, 8, 1}}, 2), 3, 2);
-  const NodeId leaf = model.model().children_of(NodeId{3}).front();
-  VlodMarks marks(model.model());
-  marks.change_to(std::vector<NodeId>{NodeId{2}});
-  const std::vector<uint8_t> resident(model.model().tables.nodes.size(), 1);
+  const NodeId leaf = grow_half_hidden(model);
   for (const Policy policy : {Policy::vlod, Policy::vlod_time_slices}) {
-    SelectOptions options;
-    options.policy = policy;
-    options.pixel_error = 0.1;
-    SelectView view;
-    view.camera = scenes::looking_along_x();
-    view.vlod = &marks;
-    SelectState state;
-    Selection selection;
-    const auto foresees_leaf = [&] {
-      select(model.model(), view, resident, options, state, selection);
-      return std::any_of(selection.updates.begin(), selection.updates.end(),
-                         [leaf](const PriorityUpdate& u) { return u.node == leaf; });
-    };
-    EXPECT_FALSE(foresees_leaf()) << "hidden from here";
-    view.leaving = true;
-    EXPECT_TRUE(foresees_leaf()) << name_of(policy);
-    EXPECT_THAT(selection.front, testing::Not(testing::Contains(leaf))) << "not shown before it may be seen";
+    HalfHiddenChoice choice(model, policy);
+    EXPECT_FALSE(choice.asks_for(model, leaf)) << "hidden from here";
+    choice.view.leaving = true;
+    EXPECT_TRUE(choice.asks_for(model, leaf)) << name_of(policy);
+    EXPECT_THAT(choice.selection.front, testing::Not(testing::Contains(leaf))) << "not shown before it may be seen";
   }
 }
 
