@@ -32,6 +32,12 @@ PROMENADE_INLINE Lanes where_not(Lanes mask, Lanes value) { return {_mm256_andno
 PROMENADE_INLINE Lanes selected(Lanes mask, Lanes yes, Lanes no) { return {_mm256_blendv_ps(no.v, yes.v, mask.v)}; }
 /// A bit a lane.
 PROMENADE_INLINE unsigned bits(Lanes mask) { return static_cast<unsigned>(_mm256_movemask_ps(mask.v)); }
+/// The least lane; none may be NaN.
+PROMENADE_INLINE float least(Lanes a) {
+  const __m128 four = _mm_min_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1));
+  const __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+  return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
+}
 
 }  // namespace lanes_avx2
 #else
@@ -67,6 +73,12 @@ PROMENADE_INLINE Lanes selected(Lanes mask, Lanes yes, Lanes no) {
 /// A bit a lane.
 PROMENADE_INLINE unsigned bits(Lanes mask) {
   return static_cast<unsigned>(_mm_movemask_ps(mask.low)) | static_cast<unsigned>(_mm_movemask_ps(mask.high)) << 4U;
+}
+/// The least lane; none may be NaN.
+PROMENADE_INLINE float least(Lanes a) {
+  const __m128 four = _mm_min_ps(a.low, a.high);
+  const __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+  return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
 }
 
 }  // namespace lanes_sse

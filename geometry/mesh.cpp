@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -155,10 +156,55 @@ float srgb_to_linear(uint8_t value) {
   return table[value];
 }
 
+namespace {
+
+/// Bytes of linear light by thresholds: the first float that has each, as the powers tell, which are far slower.
+class SrgbBytes {
+ public:
+  SrgbBytes() {
+    uint32_t from = 0;  // bits of floats that are not negative sort as they do
+    for (uint32_t byte = 1; byte <= 255; ++byte) {
+      uint32_t until = std::bit_cast<uint32_t>(1.0F);
+      while (from < until) {
+        const uint32_t middle = from + (until - from) / 2;
+        if (by_powers(std::bit_cast<float>(middle)) >= byte)
+          until = middle;
+        else
+          from = middle + 1;
+      }
+      first_light_[byte] = std::bit_cast<float>(from);
+    }
+    uint32_t byte = 0;
+    for (uint32_t i = 0; i < kSlots; ++i) {
+      while (byte < 255 && first_light_[byte + 1] <= float(i) / float(kSlots)) ++byte;
+      at_slot_[i] = static_cast<uint8_t>(byte);
+    }
+  }
+
+  uint8_t of(float value) const {
+    const float light = value > 0 ? std::min(value, 1.0F) : 0.0F;  // not a number: 0
+    uint32_t byte = at_slot_[std::min(static_cast<uint32_t>(light * float(kSlots)), kSlots - 1)];
+    while (byte < 255 && light >= first_light_[byte + 1]) ++byte;
+    return static_cast<uint8_t>(byte);
+  }
+
+ private:
+  static uint32_t by_powers(float light) {
+    const auto v = double(light);
+    const double s = v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
+    return static_cast<uint32_t>(std::lround(s * 255.0));
+  }
+
+  static constexpr uint32_t kSlots = 4096;  // the steepest part has a byte every 1.2 slots
+  std::array<float, 256> first_light_{};
+  std::array<uint8_t, kSlots> at_slot_{};
+};
+
+}  // namespace
+
 uint8_t linear_to_srgb(float value) {
-  const double v = std::clamp(double(value), 0.0, 1.0);
-  const double s = v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
-  return static_cast<uint8_t>(std::lround(s * 255.0));
+  static const SrgbBytes bytes;
+  return bytes.of(value);
 }
 
 }  // namespace promenade

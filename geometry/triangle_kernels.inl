@@ -54,20 +54,23 @@ PROMENADE_INLINE Lanes distance2_to(const TriangleFrames& f, const Vectors& p) {
       {dot(d, load3(f.x_x, f.x_y, f.x_z)), dot(d, load3(f.y_x, f.y_y, f.y_z)), dot(d, load3(f.z_x, f.z_y, f.z_z))}, f);
 }
 
+/// Lanes that are no number, from what was too large to be squared, count as infinitely far. Nothing here branches on
+/// which lane it is: no processor could foresee it.
+PROMENADE_INLINE Lanes numbers(Lanes d2) {
+  const Lanes infinite = splat(std::numeric_limits<float>::infinity());
+  return selected(less(d2, infinite), d2, infinite);
+}
+
 uint32_t nearest(const TriangleFrames* frames, size_t groups, const float* point, float& distance2) {
   const Vectors p = splat3(point);
   uint32_t best = 0;
   float best2 = std::numeric_limits<float>::infinity();
   for (size_t g = 0; g < groups; ++g) {
-    const Lanes d2 = distance2_to(frames[g], p);
-    unsigned nearer = bits(less(d2, splat(best2)));
-    if (nearer == 0) continue;
-    alignas(32) float lanes[kLanes];
-    store(lanes, d2);
-    for (; nearer != 0; nearer &= nearer - 1) {
-      const auto i = static_cast<uint32_t>(__builtin_ctz(nearer));
-      if (lanes[i] < best2) best2 = lanes[i], best = static_cast<uint32_t>(g * kLanes) + i;
-    }
+    const Lanes d2 = numbers(distance2_to(frames[g], p));
+    const float least2 = least(d2);
+    if (!(least2 < best2)) continue;
+    best2 = least2;
+    best = static_cast<uint32_t>(g * kLanes) + static_cast<uint32_t>(__builtin_ctz(bits(less_or_equal(d2, splat(least2)))));
   }
   distance2 = best2;
   return best;
@@ -117,6 +120,12 @@ PROMENADE_INLINE void search_leaf(const TriangleBlock* block, uint32_t blocks, c
     const Lanes d2 = distance2_to(*block, p);
     unsigned nearer = bits(less(d2, splat(s.distance2)));
     if (nearer == 0) continue;
+    if (s.group_hidden == nullptr) {
+      const Lanes valid = numbers(d2);
+      s.distance2 = least(valid);
+      s.triangle = block->triangle[__builtin_ctz(bits(less_or_equal(valid, splat(s.distance2))))];
+      continue;
+    }
     alignas(32) float lanes[kLanes];
     store(lanes, d2);
     for (; nearer != 0; nearer &= nearer - 1) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
@@ -74,6 +75,25 @@ TEST(Submesh, takes_only_the_vertices_used) {
 
 TEST(Srgb, round_trips_every_byte) {
   for (int i = 0; i < 256; ++i) EXPECT_EQ(linear_to_srgb(srgb_to_linear(static_cast<uint8_t>(i))), i);
+}
+
+TEST(Srgb, bytes_are_what_the_standards_powers_round_to) {
+  const auto by_powers = [](float light) {
+    const double v = std::clamp(double(light), 0.0, 1.0);
+    const double s = v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
+    return static_cast<int>(std::lround(s * 255.0));
+  };
+  for (int i = -10; i <= 100010; ++i) {
+    const float light = float(i) / 100000;
+    ASSERT_EQ(int(linear_to_srgb(light)), by_powers(light)) << light;
+  }
+  for (int byte = 0; byte < 255; ++byte) {  // about where one byte goes over into the next
+    const double s = (byte + 0.5) / 255;
+    auto light = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+    for (int i = 0; i < 4; ++i) light = std::nextafter(light, 0.0F);
+    for (int i = 0; i < 8; ++i, light = std::nextafter(light, 1.0F))
+      ASSERT_EQ(int(linear_to_srgb(light)), by_powers(light)) << light;
+  }
 }
 
 TEST(NormalCone, faces_away_only_from_eyes_behind_every_triangle) {

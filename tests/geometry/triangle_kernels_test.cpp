@@ -52,6 +52,30 @@ TEST(TriangleKernels, give_the_same_bits_with_either_vectors) {
   }
 }
 
+TEST(TriangleKernels, take_the_first_of_the_nearest_and_pass_by_what_is_no_number) {
+  TriangleCorners corners{};
+  for (size_t lane = 0; lane < kLanes; ++lane) {  // squares' halves over the origin, at heights 7, 6, ... 2, 2, 2
+    const float height = float(std::max<size_t>(7 - lane, 2));
+    corners.at[1][0][lane] = corners.at[2][1][lane] = 1;
+    for (auto& corner : corners.at) corner[2][lane] = height;
+  }
+  const float point[3] = {0.25F, 0.25F, 0};
+  for (const TriangleKernels* kernels : {&portable_triangle_kernels(), &triangle_kernels()}) {
+    TriangleFrames frames[2] = {};
+    kernels->make_frames(&corners, 1, &frames[0]);
+    kernels->make_frames(&corners, 1, &frames[1]);
+    float least2 = 0;
+    EXPECT_EQ(kernels->nearest(frames, 2, point, least2), 5U);
+    EXPECT_FLOAT_EQ(least2, 4);
+    frames[0].origin_x[0] = frames[0].origin_z[5] = frames[0].base[7] = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_EQ(kernels->nearest(frames, 1, point, least2), 6U);
+    EXPECT_FLOAT_EQ(least2, 4);
+    const float far[3] = {1e30F, 0, 0};
+    EXPECT_LT(kernels->nearest(frames, 1, far, least2), kLanes);
+    EXPECT_EQ(least2, std::numeric_limits<float>::infinity());
+  }
+}
+
 /// A root over eight leaves of one block each, every box as large as its triangles.
 struct SmallTree {
   BoxTreeNode root{};
