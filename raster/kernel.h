@@ -96,6 +96,7 @@ struct Item {
   bool fading;                            ///< that is not everywhere
   bool placed;                            ///< model_rows is not the identity
   bool mirrored;
+  float error_m;  ///< how far off its surface may be; gaps only
 };
 
 /// Where an item's box lies in the picture.
@@ -184,6 +185,26 @@ struct Smoothing {
   int32_t least_difference;  ///< strength of the pixels to be smoothed
 };
 
+constexpr int32_t kGapReach = 2;          ///< pixels from a gap's to those that lie beside it
+constexpr float kGapNearer = 65.0F / 64;  ///< what lies beside a gap is nearer than what is seen through it by so much
+
+/// What a tile of 8 x 8 pixels shows.
+struct GapTile {
+  uint32_t lowest, highest;  ///< items; kNoSurface and 0: none
+  float farthest_z, nearest_z;
+};
+
+/// Room to look for gaps in, a row of tiles at a time, and what was found.
+struct GapRoom {
+  const uint32_t* item_of_run;  ///< as Shading's
+  uint32_t run_bits;
+  GapTile* tiles;   ///< of the whole picture
+  float* depths;    ///< kTile + 2 kGapReach rows of `stride`
+  int32_t stride;   ///< at least the picture's width and 3 kLanePadding
+  uint32_t* found;  ///< room for all pixels of the row: y << 16 | x
+  uint32_t count;
+};
+
 /// One processor's kernels.
 struct Kernels {
   int lanes;
@@ -196,6 +217,10 @@ struct Kernels {
   void (*shade_layers)(const Frame&, const Shading&, const Layer*, int32_t count, int32_t tile_row);
   void (*find_edges)(const Frame&, const Smoothing&, int32_t tile_row);
   void (*smooth)(const Frame&, const Shading&, const Smoothing&, int32_t tile_row);
+  /// What the tiles of a row show.
+  void (*find_items)(const Frame&, const GapRoom&, int32_t tile_row);
+  /// After find_items for all rows.
+  void (*find_gaps)(const Frame&, GapRoom&, int32_t tile_row);
 };
 
 const Kernels& portable_kernels();

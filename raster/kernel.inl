@@ -956,5 +956,7 @@ void clear(const Frame& f, Region& r) {
 
 #include "raster/kernel_smooth.inl"
 
+#include "raster/kernel_gaps.inl"
+
 constexpr Kernels kKernels = {kLanes,    project_box,      clear,          clear_layer, draw,
-                              shade_row, shade_layers_row, find_edges_row, smooth_row};
+                              shade_row, shade_layers_row, find_edges_row, smooth_row, find_items_row, find_gaps_row};

@@ -13,6 +13,8 @@
 #include <numeric>
 #include <thread>
 
+#include "raster/gaps.h"
+#include "raster/hand_over.h"
 #include "raster/visibility_state.h"
 
 namespace promenade {
@@ -122,6 +124,7 @@ Item item_of(const RasterItem& drawn, const RasterView& view) {
   set_attributes(item, drawn);
   set_transform(item, view, drawn.model_from_mesh);
   item.fade_from = drawn.fade_from, item.fade_to = drawn.fade_to;
+  item.error_m = drawn.error_m;
   item.fading = !(drawn.fade_from <= 0 && drawn.fade_to >= 1);
   return item;
 }
@@ -251,7 +254,15 @@ void run_parallel(unsigned threads, size_t count, const std::function<void(size_
     for (size_t i = 0; i < count; ++i) body(i);
     return;
   }
-  arena_of(n).execute([&] { tbb::parallel_for(size_t(0), count, body, tbb::simple_partitioner()); });
+  HandOver begin, end;
+  begin.give();
+  const auto task = [&](size_t i) {
+    begin.take();
+    body(i);
+    end.give();
+  };
+  arena_of(n).execute([&] { tbb::parallel_for(size_t(0), count, task, tbb::simple_partitioner()); });
+  end.take();
 }
 
 Simd supported_simd(Simd wanted) {
@@ -339,6 +350,7 @@ Status VisibilityBuffer::draw_over(const RasterView& view, const State* solid, c
   });
   for (const Region& r : s.regions) add(s.stats, r.counts);
   s.kernels = &kernels;
+  if (options.close_gaps && solid == nullptr) s.stats.gaps_closed = close_gaps(s, options.threads);
   s.stats.draw_ms = ms_since(drawing);
   return Done{};
 }

@@ -33,6 +33,8 @@ struct RasterItem {
   /// node with [0, a) and its children with [a, 1) share the picture exactly, each pixel to one side, the same ones in
   /// every frame. All of it: from <= 0, to >= 1.
   float fade_from = 0, fade_to = 1;
+  /// Bound on the distance between the mesh's surface and what it stands for, in metres of model space; see close_gaps.
+  float error_m = 0;
 };
 
 /// Which kernel runs. `best`: the widest that this processor has. Any other falls back to the widest below it.
@@ -53,6 +55,9 @@ struct VisibilityOptions {
   bool cull_back = true;    ///< false: draw every mesh from both sides
   /// What is seen through (AlphaMode::blend): drawn as a screen door, or left out (for draw_layer).
   bool draw_blended = true;
+  /// Closes gaps between items that should meet but for their errors (gaps.h). For pictures that are looked at, not for
+  /// what is hidden: a closed pixel shows a triangle that ends beside it.
+  bool close_gaps = false;
 };
 
 /// What a picture took. Counts of all regions: an item that two regions show counts twice.
@@ -60,6 +65,7 @@ struct VisibilityStats {
   uint64_t items = 0, items_in_view = 0, items_drawn = 0, items_hidden = 0;
   uint64_t blocks_drawn = 0, blocks_hidden = 0, blocks_facing_away = 0;
   uint64_t triangles_set_up = 0, triangles_drawn = 0, triangles_clipped = 0;
+  uint64_t gaps_closed = 0;  ///< pixels
   double cull_ms = 0, draw_ms = 0;
 };
 

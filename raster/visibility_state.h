@@ -20,6 +20,7 @@ struct VisibilityBuffer::State {
   std::vector<uint32_t> id;
   std::vector<float> hz;  ///< of all regions, one after the other
   std::vector<uint8_t> dirty;
+  std::vector<raster_kernel::GapTile> gap_tiles;
   std::vector<raster_kernel::Region> regions;
   const raster_kernel::Kernels* kernels = nullptr;  ///< that drew it; null: there is no picture
   std::vector<raster_kernel::Item> items;           ///< as the caller listed them

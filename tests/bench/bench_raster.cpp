@@ -167,11 +167,15 @@ double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Arguments: triangles, view, threads, simd, what is done: 0 raster, 1 and shading, 2 and smoothed edges.
+/// Arguments: triangles, view, threads, simd, what is done: 0 raster, 1 and shading, 2 and smoothed edges, 3 and
+/// gaps between nodes closed, each of which may be off by what a pixel shows 60 m away.
 void BM_Frame(benchmark::State& state) {
   const City& c = city(uint64_t(state.range(0)));
   VisibilityOptions options;
   options.threads = unsigned(state.range(2)), options.simd = Simd(state.range(3));
+  options.close_gaps = state.range(4) > 2;
+  std::vector<RasterItem> items = c.items;
+  for (RasterItem& item : items) item.error_m = options.close_gaps ? 0.1F : 0.0F;
   ShadeOptions shading;
   shading.threads = options.threads, shading.simd = options.simd;
   if (supported_simd(options.simd) != options.simd) return state.SkipWithError("this processor lacks it");
@@ -182,7 +186,7 @@ void BM_Frame(benchmark::State& state) {
   uint32_t frame = 0;
   for (auto _ : state) {
     const Camera camera = camera_of(c, state.range(1), frame++ % 8);
-    if (!buffer.draw(perspective_view(camera, glm::dvec3(0)), c.items, options).ok()) state.SkipWithError("not drawn");
+    if (!buffer.draw(perspective_view(camera, glm::dvec3(0)), items, options).ok()) state.SkipWithError("not drawn");
     auto start = std::chrono::steady_clock::now();
     if (state.range(4) > 0) shade(buffer, shading, image), shade_ms += ms_since(start);
     start = std::chrono::steady_clock::now();
@@ -200,7 +204,8 @@ void BM_Frame(benchmark::State& state) {
   state.counters["set_up"] = double(sum.triangles_set_up) / n,
   state.counters["rastered"] = double(sum.triangles_drawn) / n;
   state.counters["items"] = double(sum.items) / n;
-  state.SetLabel(std::string(kViewNames[state.range(1)]) + (state.range(4) > 1    ? " smoothed"
+  state.SetLabel(std::string(kViewNames[state.range(1)]) + (state.range(4) > 2    ? " smoothed, gaps closed"
+                                                            : state.range(4) > 1  ? " smoothed"
                                                             : state.range(4) == 1 ? " shaded"
                                                                                   : " raster"));
 }
@@ -467,7 +472,7 @@ const bool registered = [] {
     if (only != nullptr && std::atoll(only) != n) continue;
     for (const int64_t view : {street, overview}) {
       for (const auto& [simd, name] : simds)
-        for (const int64_t shading : {0, 1, 2})
+        for (const int64_t shading : {0, 1, 2, 3})
           for (const int64_t threads : {1, 2})
             add((std::string("Frame/") + name).c_str(), BM_Frame, {n, view, threads, simd, shading});
       add("Frame/OSMesa", BM_FrameOsMesa, {n, view});
