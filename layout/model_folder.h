@@ -9,9 +9,10 @@ constexpr const char* kManifestName = "manifest.json";
 constexpr const char* kTablesName = "tables.bin";
 constexpr const char* kGeometryName = "geometry.bin";
 constexpr const char* kTexturesName = "textures.bin";
-constexpr const char* kCellsName = "cells.bin";      ///< only in models with view cells
-constexpr const char* kObjectsName = "objects.bin";  ///< only in models with objects that move, or classes
-constexpr const char* kFarName = "far.bin";          ///< only in models with far pictures
+constexpr const char* kCellsName = "cells.bin";        ///< only in models with view cells
+constexpr const char* kOpeningsName = "openings.bin";  ///< only in models that eyes are culled in
+constexpr const char* kObjectsName = "objects.bin";    ///< only in models with objects that move, or classes
+constexpr const char* kFarName = "far.bin";            ///< only in models with far pictures
 
 /// "city.prom/" and "city.prom" are one model.
 inline std::filesystem::path without_trailing_slash(const std::filesystem::path& path) {

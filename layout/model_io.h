@@ -12,6 +12,7 @@
 #include "layout/far_io.h"
 #include "layout/file_io.h"
 #include "layout/model.h"
+#include "layout/openings.h"
 
 namespace promenade {
 
@@ -41,6 +42,8 @@ class ModelWriter {
   Status reorder(std::span<const uint32_t> nodes);
   /// View cells for the staged model. At most once.
   Status add_cells(const CellTables& cells, const VlodSource& vlod_of);
+  /// What is open between the regions of these cells, which have been added. At most once.
+  Status add_openings(const Openings& openings);
   /// Far pictures for the staged model, last of all. At most once. tables: without cells and faces.
   Status add_far(const FarTables& tables, const FarCellSource& next_cells);
   /// Renames the staged model to its name.
@@ -81,6 +84,8 @@ class ModelReader {
 
   /// The model's view cells and what they see; null: it has none.
   const CellsReader* cells() const;
+  /// What is open in walls; null: the model does not say.
+  const Openings* openings() const;
   /// The model's far pictures; null: it has none.
   const FarReader* far() const;
 

@@ -81,6 +81,7 @@ struct ModelReader::State {
   Model model;
   std::vector<RandomAccessFile> files;  // as in the manifest, without the tables
   std::optional<CellsReader> cells;
+  std::optional<Openings> openings;
   std::optional<FarReader> far;
 
   std::string name_of_segment(uint32_t segment) const {
@@ -121,6 +122,18 @@ struct ModelReader::State {
     cells.emplace(std::move(*opened));
     return Done{};
   }
+
+  Status open_openings(uint64_t tables_checksum, FileSystem& file_system) {
+    if (!names_file(model.manifest, kOpeningsName)) return Done{};
+    const fs::path path = folder / kOpeningsName;
+    if (!cells) return Error{fmt::format("{}: openings without {}", path.string(), kCellsName)};
+    const Result<std::vector<std::byte>> bytes = read_file(path, uint64_t(1) << 32, file_system);
+    if (!bytes) return bytes.error();
+    Result<Openings> decoded = decode_openings(*bytes, cells->tables(), tables_checksum);
+    if (!decoded) return Error{fmt::format("{}: {}", path.string(), decoded.error().message)};
+    openings.emplace(std::move(*decoded));
+    return Done{};
+  }
 };
 
 ModelReader::ModelReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -144,12 +157,14 @@ Result<ModelReader> ModelReader::open(const fs::path& path, FileSystem& files) {
     return Error{fmt::format("{}: {}", (*folder / kTablesName).string(), defect)};
   PROMENADE_TRY(state->open_files(files));
   PROMENADE_TRY(state->open_cells(stored->tables_checksum, files));
+  PROMENADE_TRY(state->open_openings(stored->tables_checksum, files));
   PROMENADE_TRY(state->open_far(stored->tables_checksum, files));
   return ModelReader(std::move(state));
 }
 
 const Model& ModelReader::model() const { return state_->model; }
 
+const Openings* ModelReader::openings() const { return state_->openings ? &*state_->openings : nullptr; }
 const CellsReader* ModelReader::cells() const { return state_->cells ? &*state_->cells : nullptr; }
 
 const FarReader* ModelReader::far() const { return state_->far ? &*state_->far : nullptr; }

@@ -24,8 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMostTablesBytes = uint64_t(1) << 40;
-constexpr std::array<const char*, 7> kOwnNames = {kManifestName, kTablesName, kGeometryName, kTexturesName,
-                                                  kCellsName,    kFarName,    kObjectsName};
+constexpr std::array<const char*, 8> kOwnNames = {kManifestName, kTablesName,   kGeometryName, kTexturesName,
+                                                  kCellsName,    kOpeningsName, kFarName,      kObjectsName};
 
 bool exists(const fs::path& path, FileSystem& files) {
   FileInfo info;
@@ -302,6 +302,15 @@ Status ModelWriter::add_cells(const CellTables& cells, const VlodSource& vlod_of
   if (!bytes) return bytes.error();
   std::vector<ModelManifest::File>& names = s.staged.manifest.files;
   names.insert(names.end() - 1, {kCellsName, *bytes});
+  return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
+}
+
+Status ModelWriter::add_openings(const Openings& openings) {
+  State& s = *state_;
+  const std::vector<std::byte> bytes = encode_openings(openings, s.staged.tables_checksum);
+  PROMENADE_TRY(write_file(s.partial / kOpeningsName, bytes, *s.files));
+  std::vector<ModelManifest::File>& names = s.staged.manifest.files;
+  names.insert(names.end() - 1, {kOpeningsName, bytes.size()});
   return write_file(s.partial / kManifestName, std::string_view(manifest_text(s.staged)), *s.files);
 }
 
