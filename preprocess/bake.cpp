@@ -19,8 +19,9 @@
 namespace promenade {
 namespace {
 
-constexpr float kReach = 0.75F;   // texels: how far outside its triangle a texel's centre may lie and still ask
-constexpr float kWithin = 1e-4F;  // least weight of a corner at a point that is not on an edge
+constexpr float kReach = 0.75F;      // texels: how far outside its triangle a texel's centre may lie and still ask
+constexpr float kSameTexel = 0.01F;  // texels: no one sees which of two triangles this near to a point is nearer
+constexpr float kWithin = 1e-4F;     // least weight of a corner at a point that is not on an edge
 constexpr uint32_t kNone = 0xffffffffU;
 constexpr int kEdgeContrast = 24;      // of 255: what one look may be off without anyone seeing it
 constexpr float kClearWeight = 1e-3F;  // clear looks keep a say in the colour
@@ -37,34 +38,6 @@ struct Cover {
   uint32_t triangle = kNone;
   float distance2 = std::numeric_limits<float>::infinity();
   glm::vec2 weights{0};  // of the second and third corner
-};
-
-/// sRGB bytes of linear light, by thresholds half-way between neighbouring bytes: as linear_to_srgb, without its
-/// powers.
-class SrgbEncoder {
- public:
-  SrgbEncoder() {
-    for (uint32_t i = 0; i < 255; ++i) {
-      const double s = (i + 0.5) / 255.0;
-      thresholds_[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-    }
-    uint32_t byte = 0;
-    for (uint32_t i = 0; i < kSlots; ++i) {
-      while (byte < 255 && thresholds_[byte] < float(i) / float(kSlots)) ++byte;
-      first_[i] = static_cast<uint8_t>(byte);
-    }
-  }
-  uint8_t operator()(float light) const {
-    const float clamped = std::clamp(light, 0.0F, 1.0F);
-    uint32_t byte = first_[std::min(static_cast<uint32_t>(clamped * float(kSlots)), kSlots - 1)];
-    while (byte < 255 && thresholds_[byte] < clamped) ++byte;
-    return static_cast<uint8_t>(byte);
-  }
-
- private:
-  static constexpr uint32_t kSlots = 1024;
-  std::array<float, 255> thresholds_{};
-  std::array<uint8_t, kSlots> first_{};
 };
 
 /// Weights of b and c at the point of triangle abc that is closest to p.
@@ -146,6 +119,8 @@ class DetailedSurface {
     limits.hint = hint_;
     limits.group_of_triangle = direction_.data();
     limits.group_hidden = faces_away_.data();
+    const float enough_m = kSameTexel * texel_m_;
+    limits.enough_distance2_m2 = enough_m * enough_m;
     ClosestPoint found = tree_.closest(p, limits);
     // Far off, the surface that faces this way may have nothing to do with this one.
     const float near2 = 16 * texel_m_ * texel_m_;
@@ -276,7 +251,7 @@ class Painter {
 
   void put(const AtlasPlace& place, uint32_t i, const Light& light) {
     const uint8_t opacity = opacity_of(light);
-    texel(place, i) = {srgb_(light.r), srgb_(light.g), srgb_(light.b), opacity};
+    texel(place, i) = {linear_to_srgb(light.r), linear_to_srgb(light.g), linear_to_srgb(light.b), opacity};
     out_.has_opacity = out_.has_opacity || opacity < 255;
   }
 
@@ -330,7 +305,6 @@ class Painter {
   const AtlasLayout& layout_;
   DetailedSurface& surface_;
   BakedMesh& out_;
-  SrgbEncoder srgb_;
   std::vector<Cover> covers_;
   std::vector<uint8_t> has_texels_;  // by triangle; or a look at its centroid
 };

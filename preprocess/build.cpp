@@ -14,6 +14,7 @@
 #include "preprocess/object_units.h"
 #include "preprocess/partition.h"
 #include "preprocess/unit_io.h"
+#include "preprocess/visibility/find_openings.h"
 #include "preprocess/visibility/hider_trial.h"
 
 namespace promenade {
@@ -22,7 +23,7 @@ namespace {
 
 constexpr uint64_t kHidersPart = 2;  // of the memory: nothing else of a build is in it by then
 
-constexpr uint32_t kUnitsVersion = 10;  // of the work units' content: a change makes builds begin anew
+constexpr uint32_t kUnitsVersion = 13;  // of the work units' content: a change makes builds begin anew
 
 /// Measures the stages of a build.
 class StageClock {
@@ -145,8 +146,8 @@ std::map<std::string, uint64_t> bytes_by_part(const std::filesystem::path& model
   std::map<std::string, uint64_t> bytes;
   for (const auto& [part, file] :
        {std::pair("geometry", "geometry.bin"), std::pair("textures", "textures.bin"), std::pair("tables", "tables.bin"),
-        std::pair("cells", "cells.bin"), std::pair("far", "far.bin"), std::pair("objects", "objects.bin"),
-        std::pair("manifest", "manifest.json")}) {
+        std::pair("cells", "cells.bin"), std::pair("openings", "openings.bin"), std::pair("far", "far.bin"),
+        std::pair("objects", "objects.bin"), std::pair("manifest", "manifest.json")}) {
     std::error_code code;
     const uintmax_t size = std::filesystem::file_size(model / file, code);
     bytes[part] = code ? 0 : size;
@@ -195,6 +196,7 @@ class Build {
     Result<TreeUnits> units = build_tree(*spill, tree, builder, tree_options, budget_, folder_, monitor_);
     if (!units.ok()) return units.error();
     units->objects = std::move(*objects);
+    figures_.node_cpu_s = builder.profile().seconds();
     clock_.end("simplify");
 
     count_work(*spill, *units, textures);
@@ -277,7 +279,15 @@ class Build {
     PROMENADE_TRY(
         writer.add_cells(made->cells, [&](CellId cell) { return decoded(made->vlods[index_of(cell)], nodes); }));
     figures_.delta_ids_mean = order->delta_ids_mean;
+    if (options_.visibility.openings) PROMENADE_TRY(add_openings(*reader, made->cells, writer, monitor_));
     return count_delta_bytes(writer);
+  }
+
+  static Status add_openings(const ModelReader& reader, const CellTables& cells, ModelWriter& writer,
+                             JobMonitor& monitor) {
+    const Result<Openings> openings = find_openings(reader, cells, monitor);
+    if (!openings.ok()) return openings.error();
+    return writer.add_openings(*openings);
   }
 
   Status add_far(ModelWriter& writer) {

@@ -27,6 +27,10 @@ constexpr float kLeastHeight = 1e-3F;
 constexpr float kLeastPlane = 1e-4F;
 /// Of a metre that a border between colours or materials moves, to a metre that the surface does.
 constexpr float kSeamWeight = 0.5F;
+/// From which on a border between colours counts in full. Measured on a city: at 1 the panes of glass towers, all of
+/// much the same blue, ran into each other; at 0.25 a tenth fewer pixels have a colour that is not near, fronts are 1 %
+/// larger and models no larger; at 0.1 the same.
+constexpr float kFullContrast = 0.25F;
 /// Of an edge of the node's border: the neighbouring node begins there.
 constexpr float kBorderWeight = 4;
 /// Of the distance to planes, which overestimates what round shapes lose. Measured: at 0.5 and 0.7 a city's fronts are
@@ -132,7 +136,7 @@ void Collapser::find_ring(uint32_t place) {
 void Collapser::find_lines(uint32_t place) {
   lines_.clear();
   for (const Neighbour& n : ring_) {
-    float weight = n.contrast * kSeamWeight;
+    float weight = std::min(1.0F, n.contrast / kFullContrast) * kSeamWeight;
     if (n.triangles == 1) weight = borders_.is_edge(place, n.place) ? kBorderWeight : 1.0F;
     if (weight <= 0) continue;
     const glm::vec3 along = work_.positions[n.place] - work_.positions[place];
@@ -175,7 +179,7 @@ void Collapser::estimate_ring(uint32_t place) {
   if (!goes_along_border(place)) return;
   const std::array<uint32_t, 2> ways = *borders_.ways(place);
   for (size_t i = 0; i < ring_.size(); ++i)
-    if (ring_[i].place != ways[0] && ring_[i].place != ways[1]) estimates_[i / kLanes][i % kLanes] = kInfinity;
+    if (ring_[i].place != ways[0] && ring_[i].place != ways[1]) estimates_[i / kAtOnce][i % kAtOnce] = kInfinity;
 }
 
 bool Collapser::goes_along_border(uint32_t place) const {

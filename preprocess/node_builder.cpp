@@ -143,8 +143,10 @@ void NodeBuilder::add_leaf_textures(const Mesh& mesh, BuiltNode& node) const {
     if (texture.reduction > 1) surface.texture_error_m = std::max(surface.texture_error_m, kTexelReach * texel_m);
     if (texel_m > 0 && (surface.texel_m == 0 || texel_m < double(surface.texel_m)))
       surface.texel_m = static_cast<float>(texel_m);
-    double& largest_m = texels_m[id];
-    largest_m = std::max(largest_m, texel_m);
+    // Where one of its materials is a palette, the picture stays whole.
+    const double here_m = largest_texel_m(mesh, material, texture.width, texture.height);
+    const auto [largest_m, is_new] = texels_m.try_emplace(id, here_m);
+    if (!is_new) largest_m->second = here_m > 0 && largest_m->second > 0 ? std::max(here_m, largest_m->second) : 0;
   }
   for (const auto& [texture, texel_m] : texels_m) {
     node.stored.textures.push_back(texture);
@@ -153,6 +155,7 @@ void NodeBuilder::add_leaf_textures(const Mesh& mesh, BuiltNode& node) const {
 }
 
 NodeBuilder::Merged NodeBuilder::merge(std::span<const NodeSurface> children) const {
+  const NodeProfile::Clock clock(profile_, NodeProfile::Part::merge);
   Merged merged;
   merged.materials = base_.materials;
   std::vector<const Border*> borders;
@@ -254,7 +257,10 @@ NodeBuilder::Shape NodeBuilder::reduce(Mesh bare, Border border, NodeSurface& su
   options.besides = [&](const Mesh& mesh, const Border& its_border) {
     return with_fins(mesh, its_border).triangle_count() - mesh.triangle_count();
   };
-  surface.mesh = simplify(bare, options, border, &figures);
+  {
+    const NodeProfile::Clock clock(profile_, NodeProfile::Part::simplify);
+    surface.mesh = simplify(bare, options, border, &figures);
+  }
   const bool is_reduced = surface.mesh.triangle_count() < bare.triangle_count();
   surface.border = std::move(border);
   if (surface.mesh.indices.empty()) return shape;
@@ -266,6 +272,7 @@ NodeBuilder::Shape NodeBuilder::reduce(Mesh bare, Border border, NodeSurface& su
   shape.has_fins = measured.indices.size() > surface.mesh.indices.size();
   if (!is_reduced && !shape.has_fins) return shape;
   const double tolerance_m = std::max(kToleranceOfError * reference.error_m, kToleranceOfSize * double(diagonal_m));
+  const NodeProfile::Clock clock(profile_, NodeProfile::Part::measure);
   const SurfaceDistance distance = surface_distance(reference.mesh, measured, kSlack, tolerance_m);
   surface.error_m = reference.error_m + double(distance.bound_m);
   surface.p99_m = reference.p99_m + double(distance.p99_m);
@@ -285,6 +292,7 @@ uint32_t NodeBuilder::fin_material(uint32_t material, std::vector<Material>& atl
 
 /// Gives the node an atlas of its own.
 Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
+  const NodeProfile::Clock clock(profile_, NodeProfile::Part::bake);
   NodeSurface& surface = node.surface;
   BakeOptions options;
   // Half the error shows as half a pixel; finer than the source would add nothing.
@@ -300,7 +308,7 @@ Status NodeBuilder::bake(const Merged& merged, BuiltNode& node) const {
     }
     // No more pixels than the atlas can show: twice as fine as its texels.
     const StoredTexture& stored = textures_[material.texture];
-    const double texel_m = texel_size_m(merged.mesh, m, stored.width, stored.height);
+    const double texel_m = largest_texel_m(merged.mesh, m, stored.width, stored.height);
     const double halvings = texel_m > 0 ? std::log2(options.texel_m / (2 * texel_m)) : 0;
     const auto level = static_cast<uint32_t>(std::clamp(halvings, 0.0, 16.0));
     Result<std::shared_ptr<const Image>> image = textures_.image(material.texture, level);
@@ -377,6 +385,7 @@ Status NodeBuilder::encode(const Shown& shown, double step_m, StoredNode& stored
 /// Codes the mesh and records what a reader will see of it, the children's extents included.
 Status NodeBuilder::store(const Shown& shown, double step_m, std::span<const NodeSurface> children,
                           BuiltNode& node) const {
+  const NodeProfile::Clock clock(profile_, NodeProfile::Part::code);
   double coding_error_m = 0;
   PROMENADE_TRY(encode(shown, step_m, node.stored, coding_error_m));
   const Result<Mesh> decoded = decode_mesh(node.stored.mesh);

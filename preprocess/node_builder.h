@@ -11,6 +11,7 @@
 #include "preprocess/border.h"
 #include "preprocess/class_runs.h"
 #include "preprocess/fins.h"
+#include "preprocess/node_profile.h"
 #include "preprocess/texture_store.h"
 
 namespace promenade {
@@ -27,10 +28,11 @@ struct MaterialBase {
 /// A node as the model will hold it, but for what depends on other nodes' places (ids, indices into tables).
 struct StoredNode {
   NodeRecord record;
-  std::vector<std::byte> mesh;            ///< encoded; materials from MaterialBase::size() on are atlas_materials
-  float step_m = 0;                       ///< of the grid that the mesh was coded on; 0: none
-  std::vector<uint32_t> textures;         ///< shared ones, by TextureStore
-  std::vector<float> texels_m;            ///< of each of these: the side of its largest texel on the node's surface
+  std::vector<std::byte> mesh;     ///< encoded; materials from MaterialBase::size() on are atlas_materials
+  float step_m = 0;                ///< of the grid that the mesh was coded on; 0: none
+  std::vector<uint32_t> textures;  ///< shared ones, by TextureStore
+  std::vector<float>
+      texels_m;  ///< of each of these: its largest_texel_m on the node's surface; 0: not to be made smaller
   std::vector<std::byte> atlas;           ///< encoded picture; empty: none
   TextureRecord atlas_record;             ///< but for its segment
   std::vector<Material> atlas_materials;  ///< but for their texture, which is the atlas
@@ -90,6 +92,9 @@ class NodeBuilder {
   /// small enough; its error and the distance add up. What is stored has fins (fins.h) where other nodes begin.
   Result<BuiltNode> inner(std::span<const NodeSurface> children) const;
 
+  /// What all nodes so far have cost.
+  const NodeProfile& profile() const { return profile_; }
+
  private:
   struct Merged;
   Merged merge(std::span<const NodeSurface> children) const;
@@ -121,6 +126,7 @@ class NodeBuilder {
   const MaterialBase& base_;
   const TextureStore& textures_;
   NodeBuilderOptions options_;
+  mutable NodeProfile profile_;
 };
 
 }  // namespace promenade

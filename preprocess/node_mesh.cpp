@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -127,18 +128,58 @@ void fold_colors(Mesh& mesh, const std::vector<Material>& materials,
   for (uint32_t& m : mesh.materials) m = plain_of(m);
 }
 
+namespace {
+
+/// Twice what a triangle covers: of the surface, and of the whole picture.
+struct Coverage {
+  double area_m2, of_picture;
+};
+
+Coverage coverage_of(const Mesh& mesh, size_t triangle) {
+  const glm::dvec2 a = mesh.texcoords[mesh.indices[3 * triangle]];
+  const glm::dvec2 u = glm::dvec2(mesh.texcoords[mesh.indices[3 * triangle + 1]]) - a;
+  const glm::dvec2 v = glm::dvec2(mesh.texcoords[mesh.indices[3 * triangle + 2]]) - a;
+  return {double(glm::length(triangle_cross(mesh, triangle))), std::abs(u.x * v.y - u.y * v.x)};
+}
+
+}  // namespace
+
 double texel_size_m(const Mesh& mesh, uint32_t material, uint32_t width, uint32_t height) {
   double area_m2 = 0, texels = 0;
   if (mesh.texcoords.empty()) return 0;
   for (size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (mesh.material_of(t) != material) continue;
-    const glm::dvec2 a = mesh.texcoords[mesh.indices[3 * t]];
-    const glm::dvec2 u = glm::dvec2(mesh.texcoords[mesh.indices[3 * t + 1]]) - a;
-    const glm::dvec2 v = glm::dvec2(mesh.texcoords[mesh.indices[3 * t + 2]]) - a;
-    area_m2 += double(glm::length(triangle_cross(mesh, t)));
-    texels += std::abs(u.x * v.y - u.y * v.x) * width * height;
+    const Coverage coverage = coverage_of(mesh, t);
+    area_m2 += coverage.area_m2, texels += coverage.of_picture * width * height;
   }
   return area_m2 > 0 && texels > 0 ? std::sqrt(area_m2 / texels) : 0;
+}
+
+double largest_texel_m(const Mesh& mesh, uint32_t material, uint32_t width, uint32_t height) {
+  constexpr double kAside = 0.01;
+  if (mesh.texcoords.empty()) return 0;
+  struct Part {
+    double texel2, area_m2;
+  };
+  std::vector<Part> parts;
+  parts.reserve(mesh.triangle_count());
+  double area_m2 = 0;
+  for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (mesh.material_of(t) != material) continue;
+    const Coverage coverage = coverage_of(mesh, t);
+    if (!(coverage.area_m2 > 0)) continue;
+    const double texels = coverage.of_picture * width * height;
+    parts.push_back(
+        {texels > 0 ? coverage.area_m2 / texels : std::numeric_limits<double>::infinity(), coverage.area_m2});
+    area_m2 += coverage.area_m2;
+  }
+  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.texel2 > b.texel2; });
+  double aside_m2 = 0;
+  for (const Part& part : parts) {
+    aside_m2 += part.area_m2;
+    if (aside_m2 > kAside * area_m2) return std::isfinite(part.texel2) ? std::sqrt(part.texel2) : 0;
+  }
+  return 0;
 }
 
 bool loses_surface_on_grid(const Mesh& mesh, float step_m) {

@@ -25,6 +25,11 @@ void fold_colors(Mesh& mesh, const std::vector<Material>& materials,
 /// their total areas. 0 when they have no area on the picture.
 double texel_size_m(const Mesh& mesh, uint32_t material, uint32_t width, uint32_t height);
 
+/// The same, but of the triangles with the largest texels, a hundredth of the area aside: where a picture is a palette,
+/// triangles see a point of it each, and a smaller picture would show them what lies beside it. 0 where they see no
+/// area.
+double largest_texel_m(const Mesh& mesh, uint32_t material, uint32_t width, uint32_t height);
+
 /// Whether rounding to the grid would take away surface that nothing else stands for: a triangle without thickness on
 /// the grid, such as a side of a thin post, that is no edge and no corner of any triangle that remains.
 bool loses_surface_on_grid(const Mesh& mesh, float step_m);

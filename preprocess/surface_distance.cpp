@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -122,6 +123,80 @@ void cut(const Piece& piece, const glm::vec3& normal, float offset, Piece& below
   }
 }
 
+/// What two meshes have in common: places, and triangles with the same corners, which are nowhere apart.
+class Common {
+ public:
+  Common(const Mesh& a, const Mesh& b) {
+    std::vector<glm::vec3> positions;
+    positions.reserve(a.positions.size() + b.positions.size());
+    positions = a.positions;
+    positions.insert(positions.end(), b.positions.begin(), b.positions.end());
+    Places places = find_places(positions);
+    of_vertex_ = std::move(places.of_vertex);
+    sides_[0].mesh = &a, sides_[1].mesh = &b;
+    sides_[1].first_vertex = a.positions.size();
+    for (Side& side : sides_) {
+      side.triangle_at.assign(places.first_vertex.size(), kNoTriangle);
+      side.has_twin.assign(side.mesh->triangle_count(), 0);
+      for (size_t i = side.mesh->indices.size(); i-- > 0;)
+        side.triangle_at[of_vertex_[side.first_vertex + side.mesh->indices[i]]] = static_cast<uint32_t>(i / 3);
+    }
+    const bool a_is_smaller = a.triangle_count() < b.triangle_count();
+    find_twins(sides_[a_is_smaller ? 0 : 1], sides_[a_is_smaller ? 1 : 0]);
+  }
+
+  size_t places() const { return sides_[0].triangle_at.size(); }
+  uint32_t place(uint32_t side, uint32_t vertex) const { return of_vertex_[sides_[side].first_vertex + vertex]; }
+  /// The side's first triangle with a corner there; kNoTriangle: it has none.
+  uint32_t triangle_at(uint32_t side, uint32_t place) const { return sides_[side].triangle_at[place]; }
+  /// Whether the other side has it too.
+  bool has_twin(uint32_t side, size_t triangle) const { return sides_[side].has_twin[triangle] != 0; }
+
+ private:
+  struct Side {
+    const Mesh* mesh = nullptr;
+    size_t first_vertex = 0;
+    std::vector<uint32_t> triangle_at;  // of each place
+    std::vector<uint8_t> has_twin;
+  };
+  using Corners = std::array<uint32_t, 3>;
+
+  /// The places of a triangle, sorted.
+  Corners corners(const Side& side, size_t t) const {
+    Corners at{};
+    for (size_t c = 0; c < 3; ++c) at[c] = of_vertex_[side.first_vertex + side.mesh->indices[3 * t + c]];
+    if (at[0] > at[1]) std::swap(at[0], at[1]);
+    if (at[1] > at[2]) std::swap(at[1], at[2]);
+    if (at[0] > at[1]) std::swap(at[0], at[1]);
+    return at;
+  }
+
+  void find_twins(Side& small, Side& large) {
+    const size_t slots = std::bit_ceil(small.has_twin.size() * 2 + 1);
+    std::vector<uint32_t> table(slots, kNoTriangle);  // open addressing: the small side's triangles
+    const auto first_slot = [&](const Corners& at) {
+      return ((at[0] * 0x9e3779b97f4a7c15ULL ^ at[1] * 0xbf58476d1ce4e5b9ULL ^ at[2] * 0x94d049bb133111ebULL) >> 20U) &
+             (slots - 1);
+    };
+    for (uint32_t t = 0; t < small.has_twin.size(); ++t) {
+      size_t slot = first_slot(corners(small, t));
+      while (table[slot] != kNoTriangle) slot = (slot + 1) & (slots - 1);
+      table[slot] = t;
+    }
+    for (size_t t = 0; t < large.has_twin.size(); ++t) {
+      const Corners at = corners(large, t);
+      if (small.triangle_at[at[0]] == kNoTriangle || small.triangle_at[at[1]] == kNoTriangle ||
+          small.triangle_at[at[2]] == kNoTriangle)
+        continue;
+      for (size_t slot = first_slot(at); table[slot] != kNoTriangle; slot = (slot + 1) & (slots - 1))
+        if (corners(small, table[slot]) == at) small.has_twin[table[slot]] = large.has_twin[t] = 1;
+    }
+  }
+
+  std::vector<uint32_t> of_vertex_;  // places: a's vertices, then b's
+  std::array<Side, 2> sides_;
+};
+
 /// splitmix64's finisher: a fixed scramble of the sample's number.
 uint64_t scramble(uint64_t z) {
   z += 0x9e3779b97f4a7c15ULL;
@@ -134,27 +209,27 @@ uint64_t scramble(uint64_t z) {
 class Direction {
  public:
   /// side: what the pieces that are cut from `from` are known by.
-  Direction(const Mesh& from, const Mesh& to, const ClosestPointTree& tree, uint32_t side, Measure& measure)
-      : from_(from), to_(to), tree_(tree), side_(side), measure_(measure) {
+  Direction(const Mesh& from, const Mesh& to, const ClosestPointTree& tree, const Common& common, uint32_t side,
+            Measure& measure)
+      : from_(from), to_(to), tree_(tree), common_(common), side_(side), measure_(measure) {
     const Box box = bounds(from);
     const glm::vec3 largest = glm::max(glm::abs(box.min), glm::abs(box.max));
     cut_rounding_ = kCoordinateRounding * 4 * std::max({largest.x, largest.y, largest.z});
   }
 
   void measure_vertices() {
-    const Places places = find_places(from_.positions);
-    place_of_vertex_ = places.of_vertex;
-    nearest_.resize(places.count());
-    std::vector<uint8_t> done(places.count(), 0);
+    nearest_.resize(common_.places());
+    std::vector<uint8_t> done(common_.places(), 0);
     uint32_t hint = kNoTriangle;
-    for (const uint32_t v : from_.indices) {
-      const uint32_t place = place_of_vertex_[v];
-      if (done[place] != 0) {
-        hint = nearest_[place].triangle;
-        continue;
+    for (size_t i = 0; i < from_.indices.size(); ++i) {
+      if (common_.has_twin(side_, i / 3)) continue;
+      const uint32_t place = common_.place(side_, from_.indices[i]);
+      if (done[place] == 0) {
+        done[place] = 1;
+        const uint32_t at = common_.triangle_at(1 - side_, place);
+        nearest_[place] =
+            at != kNoTriangle ? Found{0, at} : query(from_.positions[from_.indices[i]], hint, measure_.near_enough());
       }
-      done[place] = 1;
-      nearest_[place] = query(from_.positions[v], hint, measure_.near_enough());
       hint = nearest_[place].triangle;
     }
   }
@@ -173,6 +248,8 @@ class Direction {
       const auto t =
           std::min(static_cast<size_t>(std::lower_bound(area_until.begin(), area_until.end(), at) - area_until.begin()),
                    area_until.size() - 1);
+      distances[s] = 0;
+      if (common_.has_twin(side_, t)) continue;
       const float r = std::sqrt(float(random >> 40U) * 0x1p-24F);
       const float w = float((random >> 8U) & 0xffffffU) * 0x1p-24F;
       const std::array<glm::vec3, 3> c = corners(t);
@@ -189,6 +266,7 @@ class Direction {
   /// of both directions.
   void bound_triangles() {
     for (size_t t = 0; t < from_.triangle_count(); ++t) {
+      if (common_.has_twin(side_, t)) continue;
       bound_triangle(t);
       if (stack_.empty()) continue;
       const Piece whole = stack_.back();
@@ -267,7 +345,7 @@ class Direction {
   void bound_triangle(size_t t) {
     const std::array<glm::vec3, 3> c = corners(t);
     std::array<Found, 3> near;
-    for (size_t i = 0; i < 3; ++i) near[i] = nearest_[place_of_vertex_[from_.indices[3 * t + i]]];
+    for (size_t i = 0; i < 3; ++i) near[i] = nearest_[common_.place(side_, from_.indices[3 * t + i])];
     const float farthest = std::max({near[0].distance, near[1].distance, near[2].distance});
     if (near[0].triangle == near[1].triangle && near[1].triangle == near[2].triangle) return settle(farthest);
     const float edge = std::sqrt(std::max(
@@ -372,10 +450,10 @@ class Direction {
   const Mesh& from_;
   const Mesh& to_;
   const ClosestPointTree& tree_;
+  const Common& common_;
   uint32_t side_;
   Measure& measure_;
   float cut_rounding_ = 0;
-  std::vector<uint32_t> place_of_vertex_;
   std::vector<Found> nearest_;  // of each place
   std::vector<Piece> stack_;
 };
@@ -399,7 +477,9 @@ SurfaceDistance surface_distance(const Mesh& a, const ClosestPointTree& tree_a, 
   Measure measure;
   measure.slack = static_cast<float>(slack);
   measure.floor = std::max(static_cast<float>(tolerance_m), box.diagonal() * kFloorShare);
-  std::array<Direction, 2> sides = {Direction(a, b, tree_b, 0, measure), Direction(b, a, tree_a, 1, measure)};
+  const Common common(a, b);
+  std::array<Direction, 2> sides = {Direction(a, b, tree_b, common, 0, measure),
+                                    Direction(b, a, tree_a, common, 1, measure)};
   SurfaceDistance result;
   // Samples first: how far the surfaces are apart at most decides how closely the rest is looked at.
   for (Direction& side : sides) result.p99_m = std::max(result.p99_m, side.measure_samples());

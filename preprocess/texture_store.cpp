@@ -16,6 +16,7 @@ namespace promenade {
 namespace {
 
 constexpr uint64_t kDecodedPixel = 20;  // bytes a source pixel while it is decoded and resampled in floats
+constexpr uint64_t kWholeShare = 16;  // of the memory for pictures: what is larger is not kept for its smaller versions
 constexpr uint64_t kLargestPixels = uint64_t(1) << 28;
 
 bool starts_with(std::span<const std::byte> bytes, std::initializer_list<uint8_t> magic) {
@@ -180,24 +181,17 @@ Result<std::vector<std::byte>> TextureStore::encoded(uint32_t texture, uint32_t 
       fmt::format("{}: damaged; remove the .work folder and build again", folder_.path_of(stored.unit).string())};
 }
 
-Result<std::shared_ptr<const Image>> TextureStore::image(uint32_t texture, uint32_t halvings) const {
-  const uint64_t key = uint64_t(halvings) << 32 | texture;
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto found = cache_.find(key); found != cache_.end()) {
-      recent_.splice(recent_.begin(), recent_, found->second.place);
-      return found->second.image;
-    }
-  }
-  Result<std::vector<std::byte>> bytes = encoded(texture);
-  if (!bytes.ok()) return bytes.error();
-  Result<Image> decoded = decode_image(*bytes, textures_[texture].unit);
-  if (!decoded.ok()) return decoded.error();
-  if (halvings > 0)
-    *decoded = resized(*decoded, std::max(1U, decoded->width >> halvings), std::max(1U, decoded->height >> halvings));
-  auto image = std::make_shared<const Image>(std::move(*decoded));
+std::shared_ptr<const Image> TextureStore::cached(uint64_t key) const {
   const std::lock_guard lock(mutex_);
-  if (const auto found = cache_.find(key); found != cache_.end()) return found->second.image;
+  const auto found = cache_.find(key);
+  if (found == cache_.end()) return nullptr;
+  recent_.splice(recent_.begin(), recent_, found->second.place);
+  return found->second.image;
+}
+
+void TextureStore::keep(uint64_t key, const std::shared_ptr<const Image>& image) const {
+  const std::lock_guard lock(mutex_);
+  if (cache_.contains(key)) return;
   recent_.push_front(key);
   cache_[key] = {image, recent_.begin()};
   cached_bytes_ += image->pixels.size() * sizeof(glm::u8vec4);
@@ -207,7 +201,29 @@ Result<std::shared_ptr<const Image>> TextureStore::image(uint32_t texture, uint3
     cache_.erase(last);
     recent_.pop_back();
   }
-  return image;
+}
+
+Result<std::shared_ptr<const Image>> TextureStore::image(uint32_t texture, uint32_t halvings) const {
+  const auto key_of = [texture](uint32_t h) { return uint64_t(h) << 32 | texture; };
+  if (auto known = cached(key_of(halvings))) return known;
+  // Who asks for what another thread decodes waits for it.
+  const std::lock_guard decoding(decoding_[texture % decoding_.size()]);
+  if (auto known = cached(key_of(halvings))) return known;
+  std::shared_ptr<const Image> whole = cached(key_of(0));
+  if (!whole) {
+    Result<std::vector<std::byte>> bytes = encoded(texture);
+    if (!bytes.ok()) return bytes.error();
+    Result<Image> decoded = decode_image(*bytes, textures_[texture].unit);
+    if (!decoded.ok()) return decoded.error();
+    whole = std::make_shared<const Image>(std::move(*decoded));
+    if (halvings == 0 || whole->pixels.size() * sizeof(glm::u8vec4) <= options_.memory_bytes / kWholeShare)
+      keep(key_of(0), whole);
+  }
+  if (halvings == 0) return whole;
+  auto image = std::make_shared<const Image>(
+      resized(*whole, std::max(1U, whole->width >> halvings), std::max(1U, whole->height >> halvings)));
+  keep(key_of(halvings), image);
+  return std::shared_ptr<const Image>(std::move(image));
 }
 
 }  // namespace promenade

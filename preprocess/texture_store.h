@@ -1,6 +1,7 @@
 #pragma once
 // The source's pictures, shared by all leaves: each stored once, as a work unit, whichever parts bring it.
 
+#include <array>
 #include <cstdint>
 #include <list>
 #include <memory>
@@ -65,6 +66,8 @@ class TextureStore {
  private:
   struct Prepared;
   Prepared prepare(const SourceTexture& texture, uint64_t content) const;
+  std::shared_ptr<const Image> cached(uint64_t key) const;
+  void keep(uint64_t key, const std::shared_ptr<const Image>& image) const;
 
   const WorkFolder& folder_;
   TextureStoreOptions options_;
@@ -76,6 +79,7 @@ class TextureStore {
     std::shared_ptr<const Image> image;
     std::list<uint64_t>::iterator place;
   };
+  mutable std::array<std::mutex, 16> decoding_;         ///< by texture: one thread decodes it; before mutex_
   mutable std::mutex mutex_;                            ///< guards what follows
   mutable std::unordered_map<uint64_t, Cached> cache_;  ///< by texture and halvings
   mutable std::list<uint64_t> recent_;                  ///< last asked for first

@@ -174,6 +174,7 @@ class CellLooks {
       ++looks_.crack_pixels;
       return Done{};
     }
+    const glm::dvec3 at = view.eye + ray_direction(view, x + 0.5, y + 0.5) * double(buffer_.depth_m(x, y));
     // Along each of four lines across the view one of two rays beside it must get there, too: a slit in whatever
     // direction ends both along one of them.
     constexpr double kDiagonal = 0.70710678;
@@ -189,10 +190,10 @@ class CellLooks {
       }
       if (either) continue;
       ++looks_.slit_pixels;
+      looks_.slits.push_back({view.eye, at, front_[item]});
       return Done{};
     }
     looks_.truly_seen[item] = 1;
-    const glm::dvec3 at = view.eye + ray_direction(view, x + 0.5, y + 0.5) * double(buffer_.depth_m(x, y));
     looks_.missed.push_back({view.eye, at, front_[item]});
     return Done{};
   }

@@ -47,6 +47,7 @@ struct Looks {
   /// By item of the front: shown at a pixel that neither explains.
   std::vector<uint8_t> truly_seen;
   std::vector<MissedRay> missed;  ///< the first of each such node
+  std::vector<MissedRay> slits;   ///< rays through slits
 };
 
 /// Draws the front without hiding anything. hidden (may be empty): marks what must not be seen, for `worst`. Eyes: 0

@@ -45,6 +45,8 @@ Status check_options(const CellOptions& o) {
   PROMENADE_TRY(check_number("smallest-cell", o.smallest_cell_m, 0, 1e9));
   if (!(o.cell_gain >= 1 && o.cell_gain <= 1e6))
     return Error{fmt::format("--cell-gain {}: must be between 1 and 1000000", o.cell_gain)};
+  if (!(o.least_room_m >= 0 && o.least_room_m <= 1e9))
+    return Error{fmt::format("--least-room {}: must be between 0 and 1e9", o.least_room_m)};
   if (o.width_px == 0 || o.height_px == 0) return Error{"--size: a picture has at least one pixel"};
   if (o.walk_height_m) PROMENADE_TRY(check_number("walk-height", *o.walk_height_m, 0, 1e6));
   for (const DBox& box : o.inside)
@@ -57,10 +59,11 @@ uint64_t hash_of(const CellOptions& o) {
   const FrontBound bound = bound_of(o);
   writer.value(o.cells), writer.value(bound.pixel_error), writer.value(bound.scale.focal_px);
   writer.value(bound.scale.tan_corner), writer.value(o.cell_triangles), writer.value(o.smallest_cell_m);
-  writer.value(o.cell_gain);
+  writer.value(o.cell_gain), writer.value(o.least_room_m);
   writer.value(o.max_cells), writer.value(o.walk_height_m.value_or(-1));
   writer.array(o.inside);
   for (const std::string& hider : o.hiders) writer.text(hider);
+  if (o.openings) writer.value(o.openings);
   return checksum(writer.bytes());
 }
 
@@ -75,8 +78,10 @@ std::map<std::string, std::string> settings_of(const CellOptions& o) {
   settings["cell-triangles"] = fmt::format("{}", o.cell_triangles);
   settings["cell-gain"] = fmt::format("{}", o.cell_gain);
   settings["smallest-cell"] = fmt::format("{}", o.smallest_cell_m);
+  settings["least-room"] = fmt::format("{}", o.least_room_m);
   if (o.max_cells != 0) settings["max-cells"] = fmt::format("{}", o.max_cells);
   if (o.walk_height_m) settings["walk-height"] = fmt::format("{}", *o.walk_height_m);
+  if (o.openings) settings["openings"] = "on";
   if (!o.inside.empty()) settings["cells-in"] = fmt::format("{} boxes", o.inside.size());
   return settings;
 }

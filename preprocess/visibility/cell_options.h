@@ -35,9 +35,13 @@ struct CellOptions {
   /// A cell is divided when it sees more than this many times what the smallest of its parts sees. [chhugani2003]
   /// section 2.1 has 2; under levels of detail most of what is seen is near, and less is to be gained.
   double cell_gain = 1.25;
-  double smallest_cell_m = 4;           ///< no cell is divided whose parts would be shorter than this along every axis
+  double smallest_cell_m = 4;  ///< no cell is divided whose parts would be shorter than this along every axis
+  /// Space between walls nearer to each other than this, or than a 32nd of the model's length, gets no cell (in cells
+  /// along walls): nobody passes there. 0: it does.
+  double least_room_m = 0.4;
   uint32_t max_cells = 0;               ///< 0: one a node, 256 to 4096. Those that gain most are divided first
   std::optional<double> walk_height_m;  ///< only space this high above what one may stand on; nullopt: up to the sky
+  bool openings = false;                ///< store what is open in walls, for eyes at run time
   std::vector<DBox> inside;             ///< only space in these boxes, metres, world; empty: everywhere
 };
 

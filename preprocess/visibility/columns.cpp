@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace promenade {
 namespace {
@@ -19,6 +20,7 @@ constexpr float kLowGapM = 1.0F;      // gaps lower than this may be slips
 constexpr float kStepM = 0.5F;        // a gap whose ceiling is so little above the air's floor leads under the ground
 constexpr glm::dvec2 kOffMiddleM(0.00137, 0.00073);  // where a column is asked: off the lines that models like
 constexpr double kPocketM2 = 300;  // smaller spaces under a low ceiling are flooded instead of remembered
+constexpr uint32_t kBandRows = 64;
 
 /// A convex polygon with heights, clipped to a column.
 struct Clip {
@@ -35,6 +37,11 @@ struct Clip {
       if ((da < 0 && db > 0) || (da > 0 && db < 0)) kept.points[kept.count++] = a + (b - a) * (da / (da - db));
     }
     *this = kept;
+  }
+  std::pair<double, double> range(int axis) const {
+    double low = points[0][axis], high = low;
+    for (size_t i = 1; i < count; ++i) low = std::min(low, points[i][axis]), high = std::max(high, points[i][axis]);
+    return {low, high};
   }
 };
 
@@ -209,13 +216,14 @@ SolidColumns Flood::solid() const {
 
 }  // namespace
 
-ColumnBuilder::ColumnBuilder(const ColumnGrid& grid) : grid_(grid) {}
+ColumnBuilder::ColumnBuilder(const ColumnGrid& grid) : grid_(grid), bands_((grid.ny + kBandRows - 1) / kBandRows) {}
 
 void ColumnBuilder::touch(uint32_t x, uint32_t y, double low, double high, int32_t facing) {
   // Outwards by more than the rounding to float.
   constexpr double kRoundM = 0.001;
-  touches_.push_back(
-      {y * grid_.nx + x, {static_cast<float>(low - kRoundM), static_cast<float>(high + kRoundM), facing}});
+  const uint32_t column = y % kBandRows * grid_.nx + x;
+  bands_[y / kBandRows].push_back({4 * column + static_cast<uint32_t>(facing + 1), static_cast<float>(low - kRoundM),
+                                   static_cast<float>(high + kRoundM)});
 }
 
 void ColumnBuilder::add(const Mesh& mesh, std::span<const Material> materials) {
@@ -244,67 +252,81 @@ void ColumnBuilder::add_triangle(const glm::vec3 (&corners)[3]) {
   const bool flat = area != 0 && std::abs(slope_x) + std::abs(slope_y) < 4;
   const double half = grid_.column_m / 2;
   const double reach = half + 2 * kOffMiddleM.x;  // from the middle, as it is used, to all of the column
-  for (double y = y0; y <= y1; ++y)
-    for (double x = x0; x <= x1; ++x) {
-      const glm::dvec2 corner = grid_.low + glm::dvec2(x, y) * grid_.column_m, far = corner + 2 * half;
-      bool middle_in = area != 0, all_in = flat, all_out = false;
+  const Clip whole{{a, b, c}, 3};
+  constexpr double kNear = 1e-6;  // of a column: rows reach into the columns that they touch
+  for (double y = y0; y <= y1; ++y) {
+    const double low_y = grid_.low.y + y * grid_.column_m;
+    Clip row = whole;
+    if (y0 != y1) row.keep(1, -1, -low_y), row.keep(1, 1, low_y + 2 * half);
+    if (row.count == 0) continue;
+    const auto [row_low, row_high] = row.range(0);
+    const double first_x = std::max(index(row_low - kNear * grid_.column_m, 0), x0);
+    const double last_x = std::min(index(row_high + kNear * grid_.column_m, 0), x1);
+    for (double x = first_x; x <= last_x; ++x) {
+      const glm::dvec2 corner(grid_.low.x + x * grid_.column_m, low_y);
+      bool middle_in = area != 0, all_in = flat;
       for (const PlanSide& side : sides) {
-        const double off = side.off(corner + half + kOffMiddleM), slack = side.slack(reach);
-        middle_in &= off > 0, all_in &= off > slack, all_out |= area != 0 && off < -slack;
+        const double off = side.off(corner + half + kOffMiddleM);
+        middle_in &= off > 0, all_in &= off > side.slack(reach);
       }
-      if (all_out) continue;
       const int32_t facing = middle_in ? (area > 0 ? 1 : -1) : 0;
       const auto column_x = static_cast<uint32_t>(x), column_y = static_cast<uint32_t>(y);
-      if (x0 == x1 && y0 == y1) {
-        touch(column_x, column_y, low.z, high.z, facing);
-      } else if (all_in) {
+      if (all_in) {
         const double z = a.z + slope_x * (corner.x + half - a.x) + slope_y * (corner.y + half - a.y);
         const double lift = (std::abs(slope_x) + std::abs(slope_y)) * half;
         touch(column_x, column_y, z - lift, z + lift, facing);
       } else {
-        Clip clip{{a, b, c}, 3};
-        clip.keep(0, -1, -corner.x), clip.keep(0, 1, far.x), clip.keep(1, -1, -corner.y), clip.keep(1, 1, far.y);
-        if (clip.count == 0) continue;
-        double z0 = clip.points[0].z, z1 = z0;
-        for (size_t i = 1; i < clip.count; ++i)
-          z0 = std::min(z0, clip.points[i].z), z1 = std::max(z1, clip.points[i].z);
+        Clip part = row;
+        if (x0 != x1) part.keep(0, -1, -corner.x), part.keep(0, 1, corner.x + 2 * half);
+        if (part.count == 0) continue;
+        const auto [z0, z1] = part.range(2);
         touch(column_x, column_y, z0, z1, facing);
       }
     }
+  }
+}
+
+/// Touches sorted by column, then by height. begin: for each column of the band, and the end.
+std::vector<ColumnBuilder::Touch> ColumnBuilder::by_column(const Band& band, std::vector<size_t>& begin) const {
+  begin.assign(size_t(kBandRows) * grid_.nx + 1, 0);
+  for (const Touch& t : band) ++begin[t.column() + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<size_t> at(begin.begin(), begin.end() - 1);
+  std::vector<Touch> sorted(band.size());
+  for (const Touch& t : band) sorted[at[t.column()]++] = t;
+  for (size_t i = 0; i + 1 < begin.size(); ++i)
+    std::sort(sorted.begin() + std::ptrdiff_t(begin[i]), sorted.begin() + std::ptrdiff_t(begin[i + 1]),
+              [](const Touch& a, const Touch& b) { return a.low < b.low; });
+  return sorted;
 }
 
 SolidColumns ColumnBuilder::finish(SlipRule rule) {
-  // By column, then by height.
-  std::vector<size_t> begin(grid_.count() + 1, 0);
-  for (const PlacedTouch& t : touches_) ++begin[t.column + 1];
-  for (size_t i = 0; i < grid_.count(); ++i) begin[i + 1] += begin[i];
-  std::vector<Touch> sorted(touches_.size());
-  std::vector<size_t> at(begin.begin(), begin.end() - 1);
-  for (const PlacedTouch& t : touches_) sorted[at[t.column]++] = t.touch;
-  touches_ = {}, at = {};
-
+  size_t touches = 0;
+  for (const Band& band : bands_) touches += band.size();
   std::vector<Run> runs;
-  std::vector<size_t> first = {0};
+  std::vector<size_t> first = {0}, begin;
   first.reserve(grid_.count() + 1);
-  runs.reserve(sorted.size() / 2 + grid_.count());
-  for (size_t column = 0; column < grid_.count(); ++column) {
-    const std::span<Touch> touches(sorted.data() + begin[column], begin[column + 1] - begin[column]);
-    std::sort(touches.begin(), touches.end(), [](const Touch& a, const Touch& b) { return a.low < b.low; });
-    int32_t label = 0;
-    for (const Touch& t : touches) label += t.facing;
-    float floor = -kFar;
-    for (size_t i = 0; i < touches.size();) {
-      runs.push_back({floor, touches[i].low, static_cast<int16_t>(std::clamp(label, -30000, 30000))});
-      floor = touches[i].high;
-      for (; i < touches.size() && touches[i].low <= floor + kSealedGapM; ++i) {
-        floor = std::max(floor, touches[i].high);
-        label -= touches[i].facing;
+  runs.reserve(touches / 2 + grid_.count());
+  for (Band& band : bands_) {
+    const std::vector<Touch> sorted = by_column(band, begin);
+    band = {};
+    for (size_t column = 0; column + 1 < begin.size() && first.size() <= grid_.count(); ++column) {
+      const std::span<const Touch> here(sorted.data() + begin[column], begin[column + 1] - begin[column]);
+      int32_t label = 0;
+      for (const Touch& t : here) label += t.facing();
+      float floor = -kFar;
+      for (size_t i = 0; i < here.size();) {
+        runs.push_back({floor, here[i].low, static_cast<int16_t>(std::clamp(label, -30000, 30000))});
+        floor = here[i].high;
+        for (; i < here.size() && here[i].low <= floor + kSealedGapM; ++i) {
+          floor = std::max(floor, here[i].high);
+          label -= here[i].facing();
+        }
       }
+      runs.push_back({floor, kFar, 0});
+      first.push_back(runs.size());
     }
-    runs.push_back({floor, kFar, 0});
-    first.push_back(runs.size());
   }
-  sorted = {}, begin = {};
   Flood flood(grid_, rule, std::move(runs), std::move(first));
   flood.run();
   return flood.solid();

@@ -5,6 +5,7 @@
 //
 // Only opaque surfaces count. Gaps narrower than a column (or lower than kSealedGapM) are taken for closed.
 
+#include <deque>
 #include <glm/vec2.hpp>
 #include <span>
 #include <vector>
@@ -58,19 +59,23 @@ class ColumnBuilder {
   SolidColumns finish(SlipRule rule = SlipRule::remember);
 
  private:
+  /// A surface within a column, packed: a tile of a dense city has tens of millions.
   struct Touch {
+    uint32_t column_and_facing;  ///< four times the column within its band, and the facing and one
     float low, high;
-    int32_t facing;  ///< 1 the column's middle lies under a surface that faces up, -1 down, 0 beside it
+    uint32_t column() const { return column_and_facing / 4; }
+    /// 1 the column's middle lies under a surface that faces up, -1 down, 0 beside it
+    int32_t facing() const { return static_cast<int32_t>(column_and_facing % 4) - 1; }
   };
-  struct PlacedTouch {
-    uint32_t column;
-    Touch touch;
-  };
+  /// Rows of columns that are sorted at once; a deque, for it never moves what it holds, nor keeps twice the room.
+  using Band = std::deque<Touch>;
+
   void add_triangle(const glm::vec3 (&corners)[3]);
   void touch(uint32_t x, uint32_t y, double low, double high, int32_t facing);
+  std::vector<Touch> by_column(const Band& band, std::vector<size_t>& begin) const;
 
   ColumnGrid grid_;
-  std::vector<PlacedTouch> touches_;
+  std::vector<Band> bands_;
 };
 
 }  // namespace promenade

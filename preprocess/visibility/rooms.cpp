@@ -33,16 +33,29 @@ class RoomFinder {
 
   Result<Rooms> run() {
     PROMENADE_TRY(divide());
+    PROMENADE_TRY(find_faces(rooms_.space));
+    PROMENADE_TRY(find_exits());
+    sort_rooms();
+    return std::move(rooms_);
+  }
+
+  Result<Rooms> run_in(CellTables space) {
+    rooms_.space = std::move(space);
+    PROMENADE_TRY(find_exits());
+    return std::move(rooms_);
+  }
+
+ private:
+  Status find_exits() {
+    list_faces();
     PROMENADE_TRY(for_each_wall([this](size_t leaf, const std::vector<WallTriangle>& found) { meet(leaf, found); }));
     list_walls();
     make_masks();
     PROMENADE_TRY(for_each_wall([this](size_t, const std::vector<WallTriangle>& found) { cover(found); }));
     find_openings();
-    sort_rooms();
-    return std::move(rooms_);
+    return Done{};
   }
 
- private:
   /// A triangle that lies in a face's plane and reaches into the face.
   struct WallTriangle {
     uint32_t face;
@@ -57,6 +70,7 @@ class RoomFinder {
   };
 
   Status divide();
+  void list_faces();
   template <class Visit>
   Status for_each_wall(const Visit& visit);
   void find_walls(const Mesh& mesh, std::vector<WallTriangle>& found) const;
@@ -108,7 +122,10 @@ Status RoomFinder::divide() {
     plan.set_cell(leaf, plan.box_of(leaf));
   std::vector<uint32_t> leaves;
   rooms_.space = tables_of(plan, FrontBound(), leaves);
-  PROMENADE_TRY(find_faces(rooms_.space));
+  return Done{};
+}
+
+void RoomFinder::list_faces() {
   work_.resize(rooms_.space.faces.size());
   std::array<std::vector<Box>, 3> rectangles;
   for (uint32_t i = 0; i < work_.size(); ++i) {
@@ -117,7 +134,6 @@ Status RoomFinder::divide() {
     faces_[axis].numbers.push_back(i);
   }
   for (size_t axis = 0; axis < 3; ++axis) faces_[axis].tree = BoxTree(rectangles[axis]);
-  return Done{};
 }
 
 template <class Visit>
@@ -292,6 +308,11 @@ void RoomFinder::sort_rooms() {
 
 Result<Rooms> find_rooms(const ModelReader& reader, const RoomOptions& options, JobMonitor& monitor) {
   return RoomFinder(reader, options, monitor).run();
+}
+
+Result<Rooms> find_rooms_in(const ModelReader& reader, CellTables space, const RoomOptions& options,
+                            JobMonitor& monitor) {
+  return RoomFinder(reader, options, monitor).run_in(std::move(space));
 }
 
 }  // namespace promenade

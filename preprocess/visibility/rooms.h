@@ -76,4 +76,8 @@ void for_each_room(const Rooms& rooms, const Box& box, const Visit& visit) {
 /// "interrupted".
 Result<Rooms> find_rooms(const ModelReader& reader, const RoomOptions& options, JobMonitor& monitor);
 
+/// The same where space is divided already: every leaf of its tree is a room. order is left empty.
+Result<Rooms> find_rooms_in(const ModelReader& reader, CellTables space, const RoomOptions& options,
+                            JobMonitor& monitor);
+
 }  // namespace promenade

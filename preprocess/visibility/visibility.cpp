@@ -9,6 +9,8 @@
 #include "codec/frame.h"
 #include "layout/cell_faces.h"
 #include "preprocess/unit_io.h"
+#include "preprocess/visibility/rooms.h"
+#include "preprocess/visibility/slots.h"
 #include "preprocess/visibility/view_cells.h"
 #include "preprocess/visibility/wall_planes.h"
 
@@ -22,6 +24,7 @@ constexpr float kSky = 0.25F;
 /// The uniform grid that division starts from takes at most this part of the cells.
 constexpr uint32_t kStartPart = 4;
 constexpr uint32_t kFewestCells = 256, kMostCells = 4096;
+constexpr float kLeastRoomPart = 32;  // of the model's length: one made small is not all slots
 
 Box viewing_space(const Model& model) {
   Box box;
@@ -43,12 +46,18 @@ float top_of(const Model& model) {
 /// Division of viewing space under way: the plan, and the vLODs of its cells.
 class Division {
  public:
-  Division(const ModelReader& reader, const ViewVolume& volume, CellUnits& units, const CellOptions& options)
-      : volume_(volume),
+  Division(const ModelReader& reader, const ViewVolume& volume, CellUnits& units, const CellOptions& options,
+           JobMonitor& monitor)
+      : reader_(reader),
+        monitor_(monitor),
+        volume_(volume),
         units_(units),
         options_(options),
         plan_(viewing_space(reader.model())),
         top_m_(top_of(reader.model())) {
+    const glm::vec3 size = plan_.box_of(CellPlan::kRoot).size();
+    least_room_m_ =
+        std::min(static_cast<float>(options.least_room_m), std::max({size.x, size.y, size.z}) / kLeastRoomPart);
     const uint64_t nodes = reader.model().tables.nodes.size();
     most_ = options.max_cells != 0 ? options.max_cells
                                    : static_cast<uint32_t>(std::clamp<uint64_t>(nodes, kFewestCells, kMostCells));
@@ -56,9 +65,10 @@ class Division {
 
   /// patches: what to divide along; empty: evenly.
   Status run(const std::vector<AxialPatch>& patches) {
-    const std::vector<uint32_t> start = patches.empty() ? start_grid() : start_rooms(patches);
-    cells_ = start.size();
-    PROMENADE_TRY(evaluate(start));
+    const Result<std::vector<uint32_t>> start = patches.empty() ? start_grid() : start_rooms(patches);
+    if (!start.ok()) return start.error();
+    cells_ = start->size();
+    PROMENADE_TRY(evaluate(*start));
     while (true) {
       const std::vector<uint32_t> chosen = choose();
       if (chosen.empty()) break;
@@ -124,12 +134,32 @@ class Division {
     }
   }
 
-  /// Divides along walls; what lies in a wall is dropped.
-  std::vector<uint32_t> start_rooms(const std::vector<AxialPatch>& patches) {
-    std::vector<uint32_t> leaves = split_along_walls(plan_, CellPlan::kRoot, patches, {});
+  /// Divides along walls; what lies in a wall, or between walls that nobody fits between, is dropped.
+  Result<std::vector<uint32_t>> start_rooms(const std::vector<AxialPatch>& patches) {
+    WallSplitOptions split;
+    split.thin_m = least_room_m_;  // what is left of a slot beside the window that goes through it is one
+    std::vector<uint32_t> leaves = split_along_walls(plan_, CellPlan::kRoot, patches, split);
+    if (least_room_m_ > 0) PROMENADE_TRY(drop_slots(leaves));
     std::erase_if(leaves, [this](uint32_t leaf) { return !volume_.holds_open(plan_.box_of(leaf)); });
     for (const uint32_t leaf : leaves) plan_.set_cell(leaf, plan_.box_of(leaf));
     return leaves;
+  }
+
+  Status drop_slots(std::vector<uint32_t>& leaves) {
+    CellPlan rooms_plan = plan_;
+    for (const uint32_t leaf : leaves) rooms_plan.set_cell(leaf, rooms_plan.box_of(leaf));
+    std::vector<uint32_t> leaf_of_room;
+    CellTables space = tables_of(rooms_plan, FrontBound(), leaf_of_room);
+    PROMENADE_TRY(find_faces(space));
+    const Result<Rooms> rooms = find_rooms_in(reader_, std::move(space), RoomOptions(), monitor_);
+    if (!rooms.ok()) return rooms.error();
+    const std::vector<uint8_t> slots = find_slots(*rooms, least_room_m_);
+    std::vector<uint32_t> dropped;
+    for (size_t i = 0; i < slots.size(); ++i)
+      if (slots[i] != 0) dropped.push_back(leaf_of_room[i]);
+    std::sort(dropped.begin(), dropped.end());
+    std::erase_if(leaves, [&](uint32_t leaf) { return std::binary_search(dropped.begin(), dropped.end(), leaf); });
+    return Done{};
   }
 
   /// Makes cells of the leaves in which somebody may stand, and drops the others.
@@ -219,11 +249,14 @@ class Division {
     return volume_.above_ground(plan.box_of(at));
   }
 
+  const ModelReader& reader_;
+  JobMonitor& monitor_;
   const ViewVolume& volume_;
   CellUnits& units_;
   const CellOptions& options_;
   CellPlan plan_;
   float top_m_;
+  float least_room_m_ = 0;
   uint32_t most_ = 0;
   size_t cells_ = 0;
   uint32_t round_ = 0;
@@ -297,7 +330,7 @@ Result<Visibility> compute_visibility(const ModelReader& reader, const ViewSpace
     if (!found.ok()) return found.error();
     patches = std::move(*found);
   }
-  Division division(reader, space.volume, units, options);
+  Division division(reader, space.volume, units, options, monitor);
   PROMENADE_TRY(division.run(patches));
   division.join_alike(reader.model(), bound);
   Result<Visibility> made = division.result(bound);

@@ -1,7 +1,8 @@
-// Baking a node of 2,000 triangles from 8,000, with an atlas of about 256 x 256 texels.
+// Baking a node of 2,000 triangles from 8,000, with an atlas of about 256 x 256 texels; making its pictures smaller.
 
 #include <benchmark/benchmark.h>
 
+#include "codec/image_codec.h"
 #include "preprocess/bake.h"
 #include "preprocess/charts.h"
 #include "tests/codec/mesh_fixtures.h"
@@ -36,6 +37,13 @@ void BM_make_charts(benchmark::State& state) {
   for (auto unused : state) benchmark::DoNotOptimize(make_charts(mesh).size());
 }
 BENCHMARK(BM_make_charts)->Unit(benchmark::kMillisecond);
+
+void BM_resized(benchmark::State& state) {
+  const Image image = noise(static_cast<uint32_t>(state.range(0)));
+  for (auto unused : state) benchmark::DoNotOptimize(resized(image, image.width / 2, image.height / 2).pixels.data());
+  state.SetItemsProcessed(static_cast<int64_t>(image.pixels.size()) * state.iterations());
+}
+BENCHMARK(BM_resized)->Arg(1024)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace promenade

@@ -35,6 +35,8 @@ void BM_Build(benchmark::State& state) {
     const auto triangles = double(figures->triangles_in);
     for (const auto& [stage, seconds] : figures->stage_wall_s)
       state.counters[stage + "_triangles_per_s"] = triangles / seconds;
+    for (const auto& [part, seconds] : figures->node_cpu_s)
+      if (seconds > 0) state.counters[part + "_us_per_triangle"] = 1e6 * seconds / triangles;
     state.counters["triangles_per_s"] = benchmark::Counter(triangles, benchmark::Counter::kIsIterationInvariantRate);
     state.counters["bits_per_triangle"] = 8 * double(figures->bytes_by_part.at("geometry")) / triangles;
   }

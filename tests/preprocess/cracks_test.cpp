@@ -173,7 +173,7 @@ class Cracks : public testing::TestWithParam<std::pair<const char*, Inside (*)()
         float share = is_leaf ? 1 : takes(camera, node);
         if (from > 0 && share > 0) share = 1;
         if (share > 0) {
-          items.push_back({&meshes_[node], node, nullptr, {}, from, share});
+          items.push_back({&meshes_[node], node, nullptr, {}, from, share, model_.tables.nodes[node].error_m});
           inner += is_leaf ? 0U : 1U;
         }
         if (share >= 1) return;
@@ -192,7 +192,8 @@ class Cracks : public testing::TestWithParam<std::pair<const char*, Inside (*)()
 
   /// Pixels that show nothing.
   uint64_t background_pixels(const Camera& camera, const std::vector<RasterItem>& items) {
-    EXPECT_TRUE(buffer_.draw(perspective_view(camera, model_.manifest.origin), items, {.threads = 1}).ok());
+    EXPECT_TRUE(
+        buffer_.draw(perspective_view(camera, model_.manifest.origin), items, {.threads = 1, .close_gaps = true}).ok());
     std::vector<uint32_t> nodes(size_t(camera.width_px) * camera.height_px);
     buffer_.read_nodes(nodes);
     return static_cast<uint64_t>(std::count(nodes.begin(), nodes.end(), kNoTriangle));

@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 
+#include "preprocess/collapse.h"
 #include "tests/preprocess/surfaces.h"
 
 namespace promenade {
@@ -239,6 +240,32 @@ TEST(Simplify, borders_that_leave_no_room_give_way_but_stay_on_the_cell) {
   EXPECT_EQ(box.min.y, 0);
   EXPECT_EQ(box.max.x, 100);
   EXPECT_EQ(box.max.y, 100);
+}
+
+TEST(Simplify, a_place_goes_along_its_border_however_many_neighbours_it_has) {
+  constexpr uint32_t kRim = 24;
+  Mesh mesh;
+  mesh.positions = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}};
+  uint32_t last = 1;  // from the right over a rim above the middle to the left
+  for (uint32_t i = 0; i <= kRim; ++i) {
+    const uint32_t next = i == kRim ? 2 : uint32_t(mesh.positions.size());
+    const float x = 0.5F - float(i) / float(kRim - 1);
+    if (i < kRim) mesh.positions.emplace_back(x, 0.6F - 0.4F * x * x, 1);
+    mesh.indices.insert(mesh.indices.end(), {0, last, next, last, 3, next});
+    last = next;
+  }
+  WorkMesh work = make_work_mesh(mesh);
+  const auto place_at = [&](const glm::vec3& p) {
+    return static_cast<uint32_t>(std::find(work.model_positions.begin(), work.model_positions.end(), p) -
+                                 work.model_positions.begin());
+  };
+  const uint32_t middle = place_at({0, 0, 1}), right = place_at({1, 0, 0}), left = place_at({-1, 0, 0});
+  BorderLines borders(work, border_all_around(mesh));
+  Collapser collapser(work, mesh, borders, 1);
+  // Onto the rim it would be half a metre.
+  collapser.set_border_rule(Collapser::BorderRule::along);
+  const uint32_t along = collapser.choose(middle, 100).target;
+  EXPECT_TRUE(along == right || along == left) << along;
 }
 
 TEST(Simplify, windows_go_before_walls) {

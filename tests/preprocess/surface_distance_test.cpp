@@ -53,6 +53,34 @@ Mesh shaken(Mesh mesh, float by) {
   return mesh;
 }
 
+/// The same triangles in another order, each with corners of its own, which begin elsewhere.
+Mesh rearranged(const Mesh& mesh) {
+  Mesh out;
+  for (size_t t = mesh.triangle_count(); t-- > 0;)
+    for (size_t c = 0; c < 3; ++c) {
+      out.indices.push_back(static_cast<uint32_t>(out.positions.size()));
+      out.positions.push_back(mesh.positions[mesh.indices[3 * t + (c + t) % 3]]);
+    }
+  return out;
+}
+
+TEST(SurfaceDistance, is_nothing_between_the_same_triangles) {
+  const Mesh mesh = hills(20);
+  const SurfaceDistance distance = surface_distance(mesh, rearranged(mesh));
+  EXPECT_EQ(distance.p99_m, 0);
+  EXPECT_LE(distance.bound_m, 1e-5F * bounds(mesh).diagonal());
+}
+
+TEST(SurfaceDistance, sees_what_differs_among_triangles_that_are_the_same) {
+  const Mesh mesh = hills(20);
+  Mesh moved = rearranged(mesh);
+  for (size_t c = 300; c < 303; ++c) moved.positions[c].z += 0.5F;  // a triangle alone: its neighbours stay
+  expect_bound_holds(mesh, moved, 1.3F);
+  Mesh fewer = rearranged(mesh);
+  fewer.indices.resize(fewer.indices.size() - 3);
+  expect_bound_holds(mesh, fewer, 1.3F);
+}
+
 TEST(SurfaceDistance, is_exact_between_parallel_squares) {
   const SurfaceDistance one_metre = surface_distance(flat_grid(1, 4, 0), flat_grid(1, 4, 1));
   EXPECT_GE(one_metre.bound_m, 1);
