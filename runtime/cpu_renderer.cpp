@@ -166,11 +166,11 @@ class CpuRenderer final : public Renderer {
   uint64_t frame_bytes(uint32_t width_px, uint32_t height_px, bool see_through) const override {
     const uint64_t padded = (uint64_t(width_px) + 7) / 8 * 8 * ((uint64_t(height_px) + 7) / 8 * 8);
     // Depth, id and the farthest depths of the tiles with their borders, of the solid picture and each layer; the
-    // picture before and after its edges are smoothed, and how much its pixels differ.
+    // picture before and after its edges are smoothed, and how much its pixels differ; what each tile shows.
     const uint64_t differences = (uint64_t(width_px) + raster_kernel::kSmoothPadding) * height_px +
                                  (uint64_t(height_px) + 7) / 8 * raster_kernel::kStrengths * sizeof(uint32_t);
     return (1 + (see_through ? kMostLayers : 0)) * (padded * 8 + padded / 4) + 2 * uint64_t(width_px) * height_px * 4 +
-           differences;
+           differences + padded / 8;
   }
 
   Status draw(const FrameView& view, std::span<const DrawItem> items) override;
@@ -202,6 +202,7 @@ class CpuRenderer final : public Renderer {
 VisibilityOptions CpuRenderer::visibility_options() const {
   VisibilityOptions options;
   options.threads = options_.threads, options.simd = options_.simd, options.draw_blended = false;
+  options.close_gaps = options_.close_gaps;
   return options;
 }
 
@@ -214,6 +215,7 @@ Status CpuRenderer::draw(const FrameView& view, std::span<const DrawItem> items)
     RasterItem placed{mesh.mesh.get(), index_of(item.node), mesh.surfaces.get(), std::nullopt};
     if (item.model_from_mesh != glm::mat4(1.0F)) placed.model_from_mesh = glm::dmat4(item.model_from_mesh);
     placed.fade_from = item.fade_from, placed.fade_to = item.fade_to;
+    placed.error_m = item.error_m;
     blended = blended || mesh.blended;
     items_.push_back(placed);
   }

@@ -13,7 +13,8 @@ struct CpuRendererOptions {
   Simd simd = Simd::best;  ///< nor on this
   /// Antialias the borders between triangles (raster/shade.h, smooth_edges); costs a fifth to a quarter of a frame.
   bool smooth_edges = true;
-  float anisotropy = 2;  ///< most samples along a slanted texel footprint; 1: off
+  bool close_gaps = false;  ///< raster/gaps.h; costs a ninth to a seventh of a frame
+  float anisotropy = 2;     ///< most samples along a slanted texel footprint; 1: off
 };
 
 /// Differs from OpenGL's pictures in this: edges are smoothed; light is evaluated at corners; of what is seen through

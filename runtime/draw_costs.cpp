@@ -11,6 +11,8 @@ constexpr double kMegapixel = 1e6;
 constexpr double kLearningRate = 0.02;
 /// One frame changes the terms by no more than if it had taken this part longer or shorter than foretold.
 constexpr double kLargestSurprise = 0.25;
+/// A load that differs from the last one by this part is another view: what was learnt of the pace may not hold.
+constexpr double kOtherLoad = 0.1;
 /// Learning stays within this factor of what was measured.
 constexpr double kLargestFactor = 4;
 
@@ -75,14 +77,20 @@ DrawCosts CostModel::costs() const {
 void CostModel::learn(const DrawLoad& load, double took_ms) {
   const double refined = refined_ms(load);
   if (!(refined > 0) || !(took_ms > 0) || !std::isfinite(took_ms)) return;
+  const double measured_ms = ms_of(load, measured_), pace_before = pace_;
+  const bool is_other = std::abs(measured_ms - last_measured_ms_) > kOtherLoad * last_measured_ms_;
+  last_measured_ms_ = measured_ms;
+  if (is_other) frames_ = 0;
   ratios_[frames_ % kPaceFrames] = took_ms / refined;
   ++frames_;
   const size_t known = std::min<size_t>(frames_, kPaceFrames);
   std::array<double, kPaceFrames> sorted = ratios_;
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(known));
   pace_ = known % 2 == 1 ? sorted[known / 2] : (sorted[known / 2 - 1] + sorted[known / 2]) / 2;
-  // Of what the pace does not explain each term takes its part, by how much of the frame it was.
-  const double surprise = std::clamp(took_ms / (pace_ * refined) - 1, -kLargestSurprise, kLargestSurprise);
+  // Of what the pace does not explain each term takes its part, by how much of the frame it was. A pace that was just
+  // found anew explains everything: what it had been tells how the terms differ.
+  const double explained = (is_other ? pace_before : pace_) * refined;
+  const double surprise = std::clamp(took_ms / explained - 1, -kLargestSurprise, kLargestSurprise);
   for (size_t i = 0; i < DrawLoad::kTerms; ++i) {
     const double part = load.amount[i] * measured_.ms[i] * factor_[i] / refined;
     factor_[i] = std::clamp(factor_[i] * (1 + kLearningRate * surprise * part), 1 / kLargestFactor, kLargestFactor);

@@ -58,7 +58,8 @@ DrawCosts fitted_costs(const std::vector<std::pair<DrawLoad, double>>& rows);
 
 /// Foretells frame times and learns from each frame: slowly what every term costs here and now, quickly the pace of the
 /// machine as a whole (other programs, clock speeds), by a median, so that one frame that the system interrupted
-/// changes nothing. One thread.
+/// changes nothing. How much of what is drawn lies hidden behind the rest changes with what is asked for: where a frame
+/// asks for much more or less than the one before, as in another cell, the pace is found anew. One thread.
 class CostModel {
  public:
   explicit CostModel(const DrawCosts& measured) : measured_(measured) { factor_.fill(1); }
@@ -79,7 +80,8 @@ class CostModel {
   double pace_ = 1;
   static constexpr size_t kPaceFrames = 9;
   std::array<double, kPaceFrames> ratios_{};  ///< took over refined, of the last frames
-  uint32_t frames_ = 0;
+  uint32_t frames_ = 0;                       ///< since the pace was last found anew
+  double last_measured_ms_ = 0;               ///< what the last load takes as measured
 };
 
 }  // namespace promenade

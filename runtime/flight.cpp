@@ -130,6 +130,7 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
     frame_ms.push_back(row.frame_ms);
     response_ms.push_back(row.response_ms);
     totals.toggles_loading += row.toggles_loading;
+    totals.coarsening_max = std::max(totals.coarsening_max, row.coarsening);
     totals.stalls += row.frame_ms > 2 * target_ms ? 1 : 0;
     totals.bytes_read += row.bytes_read;
     totals.cells_crossed += row.cell_crossed ? 1 : 0;
@@ -146,6 +147,7 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
   }));
   totals.response_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.response_ms; });
   totals.response_ms_p50 = percentile(response_ms, 0.50), totals.response_ms_p99 = percentile(response_ms, 0.99);
+  if (!rows.empty()) totals.coarsening_mean = mean_of(rows, [](const FrameRow& r) { return r.coarsening; });
   totals.select_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.select_ms; });
   totals.upload_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.upload_ms; });
   totals.draw_ms_mean = mean_of(rows, [](const FrameRow& r) { return r.draw_ms; });

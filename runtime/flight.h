@@ -68,9 +68,10 @@ struct FlightTotals {
   uint64_t bytes_read_useful =
       0;  ///< of segments whose node was drawn before it left memory again, and all vLODs and far pictures
   uint64_t resident_bytes_peak = 0;
-  uint64_t peak_rss_bytes = 0;  ///< of the process
-  uint64_t stalls = 0;          ///< frames that took more than twice target_ms
-  uint64_t memory_bytes = 0;    ///< the bound
+  uint64_t peak_rss_bytes = 0;                     ///< of the process
+  uint64_t stalls = 0;                             ///< frames that took more than twice target_ms
+  uint64_t memory_bytes = 0;                       ///< the bound
+  double coarsening_mean = 1, coarsening_max = 1;  ///< of the bound in pixels, for what is wanted to fit
   /// To what side shared pictures were halved to fit into it; nullopt: none was.
   std::optional<uint32_t> texture_side_px;
 };

@@ -37,8 +37,9 @@ struct FrameRow {
   double response_ms = 0;  ///< from reading the pose to the finished picture, waiting included
   /// What frame_ms was expected to be when the front had been chosen and drawing began.
   double estimated_ms = 0, estimated_without_feedback_ms = 0;
-  double share_ms = 0;  ///< shareTime of the roots
-  double moved_m = 0;   ///< since the frame before
+  double share_ms = 0;    ///< shareTime of the roots
+  double coarsening = 1;  ///< of the bound in pixels, for what is wanted to fit into memory
+  double moved_m = 0;     ///< since the frame before
   uint64_t triangles_drawn = 0, nodes_drawn = 0, nodes_missing = 0;
   uint64_t toggles = 0, toggles_up = 0, toggles_down = 0;
   uint64_t toggles_loading = 0;  ///< of those up: what came was not there a frame before
@@ -55,6 +56,8 @@ struct FrameRow {
   bool far_crossed = false;           ///< into another far cell than in the frame before
   bool far_late = false;              ///< the last far cell's picture stood in
   bool far_missing = false;           ///< geometry stood in for a far cell's picture
+  uint64_t eye_hidden_nodes = 0;      ///< of the cell's vLOD: this eye does not see them (SelectOptions::eye_culling)
+  double eye_ms = 0;                  ///< that finding them took, of select_ms
   uint64_t nodes_foreseen = 0;        ///< that may be wanted soon, besides those that are
   uint64_t range_cells = 0;           ///< that the eye may be in within the horizon
   uint64_t delta_nodes = 0;           ///< that came or went with the vLOD that is now used

@@ -9,6 +9,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// An eye that nobody said how long it took on its way (a still picture's) did not take longer.
+constexpr double kLongestFrameS = 0.1;
+
 /// Whether the way ends outside the cells or passes through where there are none. eye: model space.
 bool leaves_cells(const CellTables& tables, const glm::dvec3& eye, const glm::dvec3& way) {
   constexpr int kSteps = 4;
@@ -54,6 +57,7 @@ void FrameChooser::look_back(const FrameWish& wish, SelectView& seen, FrameRow& 
     const double cosine = glm::dot(basis_of(pose).forward, basis_of(*last_pose_).forward);
     seen.turn_rad_per_s = std::acos(std::clamp(cosine, -1.0, 1.0)) / wish.dt_s;
   }
+  seen.jumped = !last_pose_ || row.moved_m > kFastestFlightMPerS * std::max(wish.dt_s, kLongestFrameS);
   last_pose_ = pose;
 }
 
@@ -70,7 +74,7 @@ void FrameChooser::use_vlod(CellId cell, FrameRow& row) {
 
 /// Asks for the vLODs of the cell, of those that the eye may soon be in, and of the other neighbours; marks what the
 /// next cells see.
-void FrameChooser::foresee(CellId cell, double prefetch_s, SelectView& seen, FrameRow& row) {
+void FrameChooser::foresee(CellId cell, const SelectOptions& select, SelectView& seen, FrameRow& row) {
   const glm::dvec3 eye = seen.camera.pose.eye - source_.model().manifest.origin;
   const std::vector<RangeCell> range = range_cells(*source_.cells(), cell, eye, seen.velocity_m_per_s, range_);
   row.range_cells = range.size();
@@ -80,12 +84,15 @@ void FrameChooser::foresee(CellId cell, double prefetch_s, SelectView& seen, Fra
     wanted.push_back(next.cell);
     if (std::shared_ptr<const Vlod> vlod = shared_.vlods.find(next.cell)) there.emplace(next.cell, std::move(vlod));
   }
+  // What this eye alone does not see comes back with its next step.
+  if (select.eye_culling && shared_.eye != nullptr)
+    if (std::shared_ptr<const Vlod> vlod = shared_.vlods.find(cell)) there.emplace(cell, std::move(vlod));
   for (const CellId next : cursor_.neighbours())
     if (std::find(wanted.begin(), wanted.end(), next) == wanted.end()) wanted.push_back(next);
   shared_.vlods.want(wanted);
   soon_->change_to(there);
   seen.soon = soon_.get();
-  seen.leaving = leaves_cells(*source_.cells(), eye, seen.velocity_m_per_s * prefetch_s);
+  seen.leaving = leaves_cells(*source_.cells(), eye, seen.velocity_m_per_s * select.prefetch_s);
 }
 
 /// Follows the eye through the cells, and asks for the vLODs of the cell that it is in and of those beside it.
@@ -98,10 +105,24 @@ void FrameChooser::move_to(const FrameWish& wish, SelectView& seen, FrameRow& ro
   seen.cell = &tables.cells[index_of(*row.cell)].box;
   seen.bound = &tables.bound;
   if (!uses_vlod(wish.select.policy)) return;
-  foresee(*row.cell, wish.select.prefetch_s, seen, row);
+  foresee(*row.cell, wish.select, seen, row);
   use_vlod(*row.cell, row);
   row.vlod_missing = marked_ != row.cell;
-  if (!row.vlod_missing) seen.vlod = marks_.get();
+  if (row.vlod_missing) return;
+  seen.vlod = marks_.get();
+  if (wish.select.eye_culling && shared_.eye != nullptr) look_with_eye(seen, row);
+}
+
+/// Leaves out what the cell sees and the eye does not.
+void FrameChooser::look_with_eye(SelectView& seen, FrameRow& row) {
+  const Clock::time_point begin = Clock::now();
+  if (eye_marks_ == nullptr) eye_marks_ = std::make_unique<VlodMarks>(source_.model());
+  const glm::dvec3 eye = seen.camera.pose.eye - source_.model().manifest.origin;
+  const std::span<const NodeId> kept = shared_.eye->seen(eye, marks_->nodes());
+  row.eye_hidden_nodes = marks_->nodes().size() - kept.size();
+  eye_marks_->change_to(kept);
+  seen.vlod = eye_marks_.get();
+  row.eye_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
 /// Chooses far pictures, and what is near besides.
@@ -172,7 +193,8 @@ void FrameChooser::put_items(const FrameWish& wish, ChosenFrame& frame) const {
   // What is near hides most of what is far.
   if (wish.far_style != FarStyle::far_only || far_items_.empty())
     for (const FadedNode& f : faded_)
-      frame.items.push_back({shared_.set.mesh_of(f.node), f.node, posed_.matrix_of(f.node), f.from, f.to});
+      frame.items.push_back({shared_.set.mesh_of(f.node), f.node, posed_.matrix_of(f.node), f.from, f.to,
+                             source_.model().tables.nodes[index_of(f.node)].error_m});
   frame.items.insert(frame.items.end(), far_items_.begin(), far_items_.end());
 }
 
@@ -189,6 +211,7 @@ void FrameChooser::choose(const FrameWish& wish, ChosenFrame& frame) {
   move_to(wish, seen, frame.row);
   follow_far(wish, seen, frame.row);
   seen.importance = *wish.importance;
+  seen.memory = &shared_.set.budget();
   if (posed_.moves()) seen.swept = &posed_.source();
   // What fades go on taking, and what this frame has taken so far. Without a cost model: as published.
   if (select_state_.costs) seen.reserved_ms = fade_ms_ + wish.upload_ms;
@@ -205,6 +228,7 @@ void FrameChooser::choose(const FrameWish& wish, ChosenFrame& frame) {
   row.estimated_without_feedback_ms = selection.estimated_without_feedback_ms + fade_ms_;
   if (cpu_costs_) row.estimated_cpu_ms = cpu_costs_->estimate_ms(selection.load);
   row.share_ms = select_state_.share_ms;
+  row.coarsening = selection.coarser;
   row.pace = select_state_.costs ? select_state_.costs->pace() : 1;
   row.nodes_drawn = selection.front.size() + row.nodes_fading;
   row.nodes_missing = selection.nodes_missing;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "runtime/cursor.h"
+#include "runtime/eye_culler.h"
 #include "runtime/fades.h"
 #include "runtime/far_follower.h"
 #include "runtime/frame.h"
@@ -18,11 +19,12 @@
 
 namespace promenade {
 
-/// What choosing shares with loading and drawing. far may be null.
+/// What choosing shares with loading and drawing. far and eye may be null.
 struct Shared {
   ResidentSet& set;
   VlodStore& vlods;
   FarStore* far;
+  EyeCuller* eye;
 };
 
 /// One thread at a time: it calls the functions of ResidentSet, VlodStore and FarStore that are marked choose.
@@ -47,7 +49,8 @@ class FrameChooser {
  private:
   void look_back(const FrameWish& wish, SelectView& seen, FrameRow& row);
   void move_to(const FrameWish& wish, SelectView& seen, FrameRow& row);
-  void foresee(CellId cell, double prefetch_s, SelectView& seen, FrameRow& row);
+  void foresee(CellId cell, const SelectOptions& select, SelectView& seen, FrameRow& row);
+  void look_with_eye(SelectView& seen, FrameRow& row);
   void use_vlod(CellId cell, FrameRow& row);
   void follow_far(const FrameWish& wish, SelectView& seen, FrameRow& row);
   void show(const FrameWish& wish, const SelectView& seen, ChosenFrame& frame);
@@ -58,10 +61,11 @@ class FrameChooser {
   Shared shared_;
   RangeOptions range_;
   Cursor cursor_;
-  std::unique_ptr<VlodMarks> marks_;  ///< null: the model has no cells
-  std::unique_ptr<SoonMarks> soon_;   ///< null: the model has no cells
-  std::optional<CellId> marked_;      ///< the cell whose vLOD `marks_` has
-  std::optional<FarFollower> far_;    ///< nullopt: no far pictures
+  std::unique_ptr<VlodMarks> marks_;      ///< null: the model has no cells
+  std::unique_ptr<VlodMarks> eye_marks_;  ///< of these, what the eye sees; null: it has not been asked for
+  std::unique_ptr<SoonMarks> soon_;       ///< null: the model has no cells
+  std::optional<CellId> marked_;          ///< the cell whose vLOD `marks_` has
+  std::optional<FarFollower> far_;        ///< nullopt: no far pictures
   std::optional<FarCellId> last_far_;
   std::vector<DrawItem> far_items_;
   SelectState select_state_;

@@ -36,6 +36,7 @@ class ReaderSource final : public ModelSource {
   uint32_t vlod_nodes(CellId cell) const override { return reader_.cells()->vlod_nodes(cell); }
   uint64_t vlod_reader_bytes() const override { return reader_.cells() != nullptr ? reader_.cells()->byte_size() : 0; }
   Result<Vlod> read_vlod(CellId cell) const override { return reader_.cells()->read_vlod(cell); }
+  const Openings* openings() const override { return reader_.openings(); }
 
   const FarTables* far() const override { return reader_.far() != nullptr ? &reader_.far()->tables() : nullptr; }
   Result<std::vector<std::byte>> read_far_face(uint32_t face) const override { return reader_.far()->read_face(face); }

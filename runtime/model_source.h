@@ -10,6 +10,7 @@
 #include "layout/cells_io.h"
 #include "layout/far.h"
 #include "layout/model.h"
+#include "layout/openings.h"
 
 namespace promenade {
 
@@ -33,6 +34,8 @@ class ModelSource {
   /// What reading vLODs keeps in memory at most, besides the tables.
   virtual uint64_t vlod_reader_bytes() const { return 0; }
   virtual Result<Vlod> read_vlod(CellId cell) const;
+  /// What is open in walls; null: the model does not say.
+  virtual const Openings* openings() const { return nullptr; }
 
   /// The far pictures; null: the model has none.
   virtual const FarTables* far() const { return nullptr; }

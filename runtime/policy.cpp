@@ -61,6 +61,10 @@ void finish(Selecting& s) {
   s.out.estimated_without_feedback_ms = s.state.costs->unrefined_ms(s.out.load);
 }
 
+bool as_published(Policy policy) { return policy == Policy::lakhia || policy == Policy::none; }
+/// Whether the bound in pixels gives way to memory: not where there is none, or where it is a cell's.
+bool may_give_way(Policy policy) { return !as_published(policy) && policy != Policy::front && !uses_far(policy); }
+
 struct PolicyName {
   Policy policy;
   std::string_view name;
@@ -138,17 +142,22 @@ void select(const Model& model, const SelectView& view, std::span<const uint8_t>
   selection.nodes_by_level.clear();
   selection.load = load_of_picture(view.camera.width_px, view.camera.height_px);
   Selecting selecting(model, view, resident, options, state, selection);
+  Selecting ahead(view.swept != nullptr ? *view.swept : model, view, resident, options, state, selection);
+  const bool foresees = options.prefetch_s > 0 && !as_published(options.policy);
+  const bool fits =
+      view.memory != nullptr && options.fit_memory && options.pixel_error > 0 && may_give_way(options.policy);
+  if (foresees || fits) look_ahead(ahead);
+  if (fits)
+    fit_into_memory(ahead);
+  else
+    state.fit = {};
   if (options.policy == Policy::cost_benefit)
     select_by_benefit(selecting);
   else if (uses_time(options.policy))
     select_by_time(selecting);
   else
     select_by_error(selecting);
-  const bool as_published = options.policy == Policy::lakhia || options.policy == Policy::none;
-  if (options.prefetch_s > 0 && !as_published) {
-    Selecting ahead(view.swept != nullptr ? *view.swept : model, view, resident, options, state, selection);
-    look_ahead(ahead);
-  }
+  if (foresees) foresee(ahead);
   finish(selecting);
 }
 

@@ -13,6 +13,7 @@
 #include "geometry/camera.h"
 #include "layout/cell_front.h"
 #include "runtime/draw_costs.h"
+#include "runtime/memory_fit.h"
 #include "runtime/priority_list.h"
 #include "runtime/soon_marks.h"
 #include "runtime/vlod_marks.h"
@@ -103,6 +104,12 @@ struct SelectOptions {
   /// A node that was refined in the last frame stays so until its error is this part below pixel_error: finer than
   /// asked for, never coarser. Without it an eye that stands on the line between two levels flickers.
   double error_hysteresis = 0.1;
+  /// Of what the eye's cell sees, leave out what this eye does not, for models that say what is open in their walls.
+  bool eye_culling = false;
+  /// Where what is wanted does not fit into memory, pixel_error gives way as far as it must (memory_fit.h). Not for the
+  /// policies none, lakhia and front, nor with far pictures, nor for a bound of 0. false: what does not fit is asked
+  /// for in vain.
+  bool fit_memory = true;
   TimeSliceOptions time;
   BenefitOptions benefit;
   /// The eye is taken where it will be this much later, for priorities only ("slightly adjusted based on the user's
@@ -135,10 +142,12 @@ struct SelectView {
   const VlodMarks* vlod = nullptr;
   /// The model with the boxes that moving objects sweep, for what is foreseen; null: nothing moves.
   const Model* swept = nullptr;
-  const SoonMarks* soon = nullptr;    ///< what the next cells see; null: not known
-  bool leaving = false;               ///< the eye may soon be outside the cells, where everything may be seen
-  const Box* cell = nullptr;          ///< the eye's cell; null: outside
-  const FrontBound* bound = nullptr;  ///< of the cells' fronts; not null where `cell` is not
+  const SoonMarks* soon = nullptr;       ///< what the next cells see; null: not known
+  bool leaving = false;                  ///< the eye may soon be outside the cells, where everything may be seen
+  const Box* cell = nullptr;             ///< the eye's cell; null: outside
+  const FrontBound* bound = nullptr;     ///< of the cells' fronts; not null where `cell` is not
+  const MemoryBudget* memory = nullptr;  ///< null: there is enough
+  bool jumped = false;                   ///< the eye was elsewhere a frame ago
   /// What meets one of these boxes is drawn as geometry, the rest is in a far picture; empty: everything is geometry.
   std::span<const Box> near;
 };
@@ -169,7 +178,13 @@ struct SelectState {
     bool wanted = false;  ///< the chosen front has it; else it is on the way there
   };
   std::vector<Visit> visits;
-  uint64_t byte_size() const { return nodes.capacity() * sizeof(Node) + visits.capacity() * sizeof(Visit); }
+  MemoryFit fit;
+  const Box* fit_cell = nullptr;  ///< the eye's cell when `fit` was last brought up to date; null: outside
+  std::vector<AheadNode> ahead, ahead_textures;  ///< scratch
+  uint64_t byte_size() const {
+    return nodes.capacity() * sizeof(Node) + visits.capacity() * sizeof(Visit) +
+           (ahead.capacity() + ahead_textures.capacity()) * sizeof(AheadNode);
+  }
 };
 
 /// What a selection comes to.
@@ -182,6 +197,7 @@ struct SelectionSums {
   uint64_t loaded_rejected = 0;     ///< sibling sets that were resident but had no time
   uint64_t nodes_foreseen = 0;      ///< priced because they may be wanted soon, not now
   uint64_t optimisation_steps = 0;  ///< cost_benefit: levels changed on the way from the last frame's front
+  double coarser = 1;               ///< the factor on pixel_error that memory asks for
   double cost = 0;                  ///< sum of the front's cost_n
   DrawLoad load;                    ///< of the front, with the picture's
   double estimated_ms = 0;          ///< of drawing: by SelectState::costs, else overhead + v_time x cost

@@ -28,7 +28,8 @@ class ByError {
 bool ByError::ends_paths(NodeId id) const {
   const NodeRecord& n = s_.node(id);
   if (n.child_count == 0) return true;
-  if (s_.vlod != nullptr && !moving_only_) return s_.vlod->has(id);
+  if (s_.vlod != nullptr && !moving_only_)
+    return s_.vlod->has(id) || (s_.out.coarser > 1 && s_.fine_enough(id));  // or where memory is short
   if (s_.options.policy == Policy::none) return false;
   if (s_.options.policy == Policy::front && s_.view.cell != nullptr)
     return ends_front(n, *s_.view.cell, *s_.view.bound);

@@ -78,6 +78,9 @@ struct DrawItem {
   /// fade_to). A node with [0, a) and its children with [a, 1) share the picture exactly: at every pixel one of them
   /// is drawn.
   float fade_from = 0, fade_to = 1;
+  /// Bound on the distance between the mesh's surface and what it stands for, in metres: how wide gaps beside its
+  /// neighbours may be that are closed; 0: none.
+  float error_m = 0;
 };
 
 /// What the last frame cost, counted by the renderer.

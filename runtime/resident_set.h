@@ -63,6 +63,8 @@ class ResidentSet {
   Leaving refresh();
   /// One flag a node, constant between two calls of refresh(): what may be drawn.
   std::span<const uint8_t> resident() const;
+  /// What nodes take: as large as they were in memory, or as large as nodes like them. Changes in refresh().
+  const MemoryBudget& budget() const;
   /// Of a node whose flag is set.
   MeshHandle mesh_of(NodeId id) const;
   /// Hands over priorities. Nodes listed before and not among `updates` are priced by `reprice` if they hold memory,

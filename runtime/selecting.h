@@ -31,12 +31,16 @@ class Selecting {
   bool visible(NodeId id) const { return classify(sight.frustum, node(id).box) != Overlap::outside; }
   /// Within the bound in pixels, or only just beyond the line where it was drawn finer in the frame before.
   bool fine_enough(NodeId id) const {
+    return error_px(node(id), sight, options.error_kind) <= bound_px() * tolerance(id);
+  }
+  double tolerance(NodeId id) const {
     const SelectState::Node& kept = state.nodes[index_of(id)];
     const bool was_finer = kept.refined != 0 && kept.refined + 1 == state.frame;
-    const double bound = was_finer ? bound_px() * (1 - options.error_hysteresis) : bound_px();
-    return error_px(node(id), sight, options.error_kind) <= bound;
+    return was_finer ? 1 - options.error_hysteresis : 1;
   }
-  double bound_px() const {
+  /// With what memory asks for.
+  double bound_px() const { return wished_px() * out.coarser; }
+  double wished_px() const {
     return options.policy == Policy::feedback ? state.feedback_pixel_error : options.pixel_error;
   }
   std::span<const NodeId> still_roots() const { return roots(false); }
@@ -103,8 +107,12 @@ void select_by_error(Selecting& selecting);
 double select_moving(Selecting& selecting);
 /// Policies time_slices, lakhia and vlod_time_slices.
 void select_by_time(Selecting& selecting);
-/// Prices what may soon be asked for, after a policy has chosen.
+/// Finds what is wanted here and what may soon be, into SelectState::ahead.
 void look_ahead(Selecting& selecting);
+/// How much coarser the bound in pixels must be for that to fit into memory, into out.coarser. After look_ahead().
+void fit_into_memory(Selecting& selecting);
+/// Prices what was found ahead and no policy has priced, after one has chosen.
+void foresee(Selecting& selecting);
 /// Policy cost_benefit.
 void select_by_benefit(Selecting& selecting);
 

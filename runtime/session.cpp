@@ -30,7 +30,7 @@ uint64_t table_bytes(const ModelTables& tables) {
 
 /// What selection takes a node.
 constexpr uint64_t kSelectBytesPerNode =
-    sizeof(SelectState::Node) + sizeof(SelectState::Visit) + 2 * sizeof(uint32_t);  // and what fades remember
+    sizeof(SelectState::Node) + sizeof(SelectState::Visit) + sizeof(AheadNode) + 2 * sizeof(uint32_t);  // and fades'
 /// What a frame on its way takes a node: its lists at their longest.
 constexpr uint64_t kFrameBytesPerNode = sizeof(PriorityUpdate) + sizeof(NodeId);
 
@@ -105,6 +105,7 @@ struct Session::State {
   Renderer& renderer;
   SessionOptions options;
   VlodStore vlods;
+  std::unique_ptr<EyeCuller> eye;  ///< null: the model does not say what is open in its walls
   std::unique_ptr<ResidentSet> set;
   std::unique_ptr<FarStore> far_store;  ///< null: no far pictures
   std::unique_ptr<Loader> loader;
@@ -141,6 +142,7 @@ uint64_t Session::State::fixed_bytes() const {
                  frames_in_memory = 1 + (options.frames_ahead > 0 ? 1 : 0) + uint64_t(options.frames_ahead);
   return table_bytes(model.tables) + nodes * (kSelectBytesPerNode + frames_in_memory * kFrameBytesPerNode) +
          options.frame_bytes + cell_bytes(source, vlods) + model.objects.byte_size() +
+         (eye != nullptr ? source.openings()->byte_size() + eye->byte_size() + nodes * sizeof(uint32_t) : 0) +
          PosedModel::byte_size(model) * (options.frames_ahead > 0 ? 2 : 1) +
          (model.objects.class_shares.empty() ? 0 : nodes * sizeof(float));
 }
@@ -152,13 +154,17 @@ Result<Session> Session::open(const ModelSource& source, Renderer& renderer, con
   State& s = *state;
   uint64_t far_bytes = 0;
   PROMENADE_TRY(s.open_far(far_bytes));
+  if (source.openings() != nullptr)
+    s.eye = std::make_unique<EyeCuller>(model, *source.openings());
+  else if (options.select.eye_culling)
+    return Error{"the model does not say what is open in its walls: build it with --openings"};
   const LoaderOptions& loading = options.loader;
   const uint64_t fixed_bytes = far_bytes + s.fixed_bytes();
   s.set = std::make_unique<ResidentSet>(source, renderer, loading.memory_bytes, fixed_bytes, loading.eviction_margin,
                                         loading.along_share, s.texture_limit(fixed_bytes));
   PROMENADE_TRY(s.set->load_roots(renderer));
-  s.chooser = std::make_unique<FrameChooser>(source, Shared{*s.set, s.vlods, s.far_store.get()}, options.draw_costs,
-                                             options.range);
+  s.chooser = std::make_unique<FrameChooser>(source, Shared{*s.set, s.vlods, s.far_store.get(), s.eye.get()},
+                                             options.draw_costs, options.range);
   s.loader = std::make_unique<Loader>(source, renderer, *s.set, &s.vlods, loading, s.far_store.get());
   if (options.loader_thread) s.thread = std::make_unique<LoaderThread>(*s.loader);
   if (options.frames_ahead == 0) return Session(std::move(state));
@@ -435,6 +441,7 @@ void Session::set_class_weight(const std::string& class_name, double weight) {
 }
 SelectOptions& Session::select_options() { return state_->options.select; }
 FrameView& Session::frame_view() { return state_->view; }
+bool Session::has_openings() const { return state_->eye != nullptr; }
 uint32_t& Session::fade_frames() { return state_->options.fade_frames; }
 FarStyle& Session::far_style() { return state_->options.far_style; }
 

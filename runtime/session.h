@@ -111,7 +111,8 @@ class Session {
   const ClassWeights& class_weights() const;
   void set_class_weight(const std::string& class_name, double weight);  ///< in [0, 1]
   SelectOptions& select_options();
-  FrameView& frame_view();  ///< light and background
+  bool has_openings() const;  ///< SelectOptions::eye_culling has an effect
+  FrameView& frame_view();    ///< light and background
   uint32_t& fade_frames();
   FarStyle& far_style();
 

@@ -85,6 +85,7 @@ void FramePlots::draw_figures(const Session& session) const {
             fmt::format("{:.1f} ms, {:.1f} of it to show{}", response_ms_, response_ms_ - last_.response_ms, ahead));
   table.row("triangles", fmt::format("{:.1f} k", double(last_.triangles_drawn) / 1e3));
   table.row("nodes", fmt::format("{}, {} missing", last_.nodes_drawn, last_.nodes_missing));
+  if (last_.coarsening > 1) table.row("coarser for memory", fmt::format("{:.2f} times", last_.coarsening));
   std::string levels;
   for (const uint32_t count : last_.nodes_by_level) levels += fmt::format("{} ", count);
   table.row("by level", levels);
@@ -169,6 +170,7 @@ void draw_settings(Session& session) {
     if (ImGui::SliderFloat(label, &shown, least, most, "%.2f")) value = double(shown);
   };
   slide("error hysteresis", select.error_hysteresis, 0, 0.5F);
+  ImGui::Checkbox("coarser where memory is short", &select.fit_memory);
   if (select.policy == Policy::cost_benefit && ImGui::CollapsingHeader("worth of drawing")) {
     slide("half error px", select.benefit.half_error_px, 0.5F, 32);
     slide("focus", select.benefit.focus_weight, 0, 1);
@@ -195,6 +197,7 @@ void draw_settings(Session& session) {
     ImGui::Checkbox("share follows time", &select.time.share_feedback);
   }
   if (uses_far(select.policy)) draw_far_style_setting(session);
+  if (session.has_openings()) ImGui::Checkbox("leave out what this eye does not see", &select.eye_culling);
   int fade_frames = static_cast<int>(session.fade_frames());
   if (ImGui::SliderInt("fade frames", &fade_frames, 0, 60)) session.fade_frames() = static_cast<uint32_t>(fade_frames);
   ImGui::Checkbox("textures", &session.frame_view().textures);

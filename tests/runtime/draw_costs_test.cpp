@@ -72,6 +72,18 @@ TEST(CostModel, learns_which_term_was_wrong) {
   EXPECT_LT(error_of(), before / 3);
 }
 
+TEST(CostModel, finds_the_pace_anew_where_much_more_is_asked_for) {
+  CostModel model(machine());
+  const DrawLoad few = load_with(100, 1e5, 5), many = load_with(500, 1e6, 5);
+  for (int frame = 0; frame < 20; ++frame) model.learn(few, ms_of(few, machine()));
+  // Most of the many lies hidden: a third of what it would take.
+  model.learn(many, ms_of(many, machine()) / 3);
+  EXPECT_NEAR(model.pace(), 1.0 / 3, 0.02) << "from the first frame on";
+  for (int frame = 0; frame < 5; ++frame) model.learn(many, ms_of(many, machine()) / 3);
+  model.learn(many, ms_of(many, machine()) * 5);
+  EXPECT_NEAR(model.pace(), 1.0 / 3, 0.02) << "one frame that the system interrupted changes nothing";
+}
+
 TEST(CostModel, ignores_times_that_are_none) {
   CostModel model(machine());
   const DrawLoad load = load_with(1, 1, 1);
