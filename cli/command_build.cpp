@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <ctime>
 #include <memory>
 
 #include "cli/command.h"
@@ -44,6 +45,8 @@ Status run_build(const BuildOptions& options, JobMonitor& monitor, Json& figures
              {"triangles_stored", made->triangles_stored},
              {"bytes_by_part", made->bytes_by_part},
              {"stage_wall_s", made->stage_wall_s},
+             {"node_cpu_s", made->node_cpu_s},
+             {"cpu_s", double(std::clock()) / CLOCKS_PER_SEC},
              {"spill_bytes_peak", made->spill_bytes_peak},
              {"units_total", made->units_total},
              {"units_resumed", made->units_resumed},
@@ -171,6 +174,12 @@ void add_cell_options(CLI::App& app, CellOptions& o) {
   group->add_option("--smallest-cell", o.smallest_cell_m, "No cell is divided into parts shorter than this, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  group
+      ->add_option("--least-room", o.least_room_m,
+                   "No cells between walls nearer to each other than this, where nobody passes, m (with cells "
+                   "along walls; at most a 32nd of the model's length; 0: cells there, too)")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   group->add_option("--max-cells", o.max_cells, "Most cells, about (0: one a node, 256 to 4096)")
       ->capture_default_str();
   group
@@ -178,6 +187,8 @@ void add_cell_options(CLI::App& app, CellOptions& o) {
           "--walk-height", [&o](double height_m) { o.walk_height_m = height_m; },
           "Cells only this high above what one may stand on, m (default: up to the sky)")
       ->check(CLI::PositiveNumber);
+  group->add_flag("--openings", o.openings,
+                  "Store what is open in the walls between view cells, for fly, view and render --eye-culling");
   group
       ->add_option_function<std::string>(
           "--cells-in",

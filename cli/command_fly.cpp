@@ -92,6 +92,9 @@ void print_totals(const FlyArguments& arguments, const FlightReport& report) {
   fmt::print("  {} of {} resident at most, {} read in {} reads, {:.0f} % of it drawn before it left\n",
              human_bytes(t.resident_bytes_peak), human_bytes(t.memory_bytes), human_bytes(t.bytes_read), t.reads,
              100 * double(t.bytes_read_useful) / std::max(1.0, double(t.bytes_read)));
+  if (t.coarsening_max > 1)
+    fmt::print("  the bound in pixels gives way to memory: {:.2f} times as coarse, {:.2f} at most\n", t.coarsening_mean,
+               t.coarsening_max);
   if (t.texture_side_px)
     fmt::print("  pictures that nodes share are halved to {} pixels a side, so that all of them fit\n",
                *t.texture_side_px);

@@ -143,6 +143,7 @@ Command add_render(CLI::App& program) {
       ->capture_default_str();
   add_camera_options(*app, arguments->view);
   add_far_style_option(*app, arguments->view);
+  add_eye_culling_option(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::static_error, uint64_t(4) << 30);
   add_renderer_options(*app, arguments->view);
   add_import_options(*app, arguments->import);

@@ -4,6 +4,7 @@
 
 #include "cli/command.h"
 #include "cli/verify_cells.h"
+#include "cli/verify_points.h"
 #include "cli/verify_source.h"
 #include "preprocess/visibility/hider_chain.h"
 
@@ -14,6 +15,7 @@ struct VerifyArguments {
   std::filesystem::path model;
   VerifyCellsOptions cells;
   VerifySourceOptions source;
+  uint64_t points = 0;
 };
 
 Result<Policy> parse_policy(const std::string& text) {
@@ -28,7 +30,13 @@ Status run_verify(const VerifyArguments& arguments, JobMonitor& monitor, Json& f
   const size_t segments = reader->model().tables.segments.size();
   figures = {{"checksums_ok", true}, {"segments_checked", segments}};
   fmt::print("{}: sound, {} segments checked\n", arguments.model.string(), segments);
-  if (!arguments.source.sources.empty()) {
+  if (arguments.points > 0) {
+    if (arguments.source.sources.empty()) return Error{"--points needs the model's source: --source"};
+    PROMENADE_TRY(
+        verify_points({arguments.source.sources, arguments.source.import, arguments.points, arguments.cells.looks.seed},
+                      *reader, monitor, figures));
+  }
+  if (!arguments.source.sources.empty() && arguments.source.views > 0) {
     VerifySourceOptions source = arguments.source;
     source.seed = arguments.cells.looks.seed, source.pixel_error = arguments.cells.pixel_error;
     PROMENADE_TRY(verify_source(source, *reader, monitor, figures));
@@ -77,8 +85,8 @@ void add_source_check(CLI::App& app, VerifySourceOptions& o) {
   CLI::Option_group* group = app.add_option_group("source", "Are the pictures those of the source?");
   group->add_option("--source", o.sources, "The files or folders that the model was built from: pictures are compared")
       ->type_name("SOURCE");
-  group->add_option("--source-views", o.views, "Random views from where somebody may stand")
-      ->check(CLI::PositiveNumber)
+  group->add_option("--source-views", o.views, "Random views from where somebody may stand (0: none)")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   group->add_option("--path", o.path, "A recorded path: that many views evenly along it instead")->type_name("FILE");
   add_parsed<PixelSize>(*group, "--size", o.size, parse_size, "Their pictures, pixels")->default_str("1280x720");
@@ -111,6 +119,10 @@ Command add_verify(CLI::App& program) {
   app->add_option("--seed", arguments->cells.looks.seed, "Other cells, other views")->capture_default_str();
   add_cell_check(*app, arguments->cells);
   add_source_check(*app, arguments->source);
+  app->add_option(
+      "--points", arguments->points,
+      "With --source: so many random points on the source and on the nodes of every level, each held against "
+      "the bounds of the nodes");
   return {
       app, {}, [arguments](JobMonitor& monitor, Json& figures) { return run_verify(*arguments, monitor, figures); }};
 }

@@ -79,6 +79,7 @@ Command add_view(CLI::App& program) {
   add_prefetch_options(*app, arguments->view);
   add_renderer_option(*app, arguments->view);
   add_far_style_option(*app, arguments->view);
+  add_eye_culling_option(*app, arguments->view);
   add_policy_options(*app, arguments->view, Policy::vlod_time_slices, uint64_t(256) << 20);
   app->footer(
       "Keys: left mouse button look; double click go there; W A S D, arrows, space, C move; G walk or fly; Q E roll;\n"

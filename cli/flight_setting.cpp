@@ -20,6 +20,7 @@ void add_flight_options(CLI::App& app, FlightSetting& setting) {
   add_prefetch_options(app, setting.view);
   add_camera_options(app, setting.view);
   add_far_style_option(app, setting.view);
+  add_eye_culling_option(app, setting.view);
   add_policy_options(app, setting.view, kDefaultFlightPolicy, uint64_t(256) << 20);
   add_renderer_options(app, setting.view);
 }

@@ -74,7 +74,9 @@ class Answers {
     }
     for (const std::unique_ptr<Hider>& hider : hiders_)
       PROMENADE_TRY(hider->hide({cell.cell, cell.front}, cell.hidden));
-    Result<Looks> looks = look_from_cell(meshes_, cell.cell, cell.front, cell.hidden, options_.looks);
+    LookOptions how = options_.looks;
+    if (!ids_.empty()) how.seed += i / reader_.cells()->tables().cells.size();
+    Result<Looks> looks = look_from_cell(meshes_, cell.cell, cell.front, cell.hidden, how);
     if (!looks) return looks.error();
     cell.looks = std::move(*looks);
     cell.verdict = judge(model, cell.front, cell.hidden, cell.looks);
@@ -82,11 +84,17 @@ class Answers {
   }
 
  private:
+  /// Every cell once before any twice, and then from other eyes.
   void pick_stored(size_t available) {
     std::mt19937_64 random(options_.looks.seed);
-    const size_t count = std::min<size_t>(options_.cells, available);
+    std::vector<CellId> round(available);
+    for (uint32_t i = 0; i < available; ++i) round[i] = CellId{i};
+    const size_t count = available == 0 ? 0 : options_.cells;
+    ids_.reserve(count), boxes_.reserve(count);
     for (size_t i = 0; i < count; ++i) {
-      ids_.push_back(CellId{static_cast<uint32_t>(random() % available)});
+      const size_t left = available - i % available;
+      std::swap(round[left - 1], round[random() % left]);
+      ids_.push_back(round[left - 1]);
       boxes_.push_back(reader_.cells()->tables().cells[index_of(ids_.back())].box);
     }
   }
@@ -129,6 +137,13 @@ Status draw_worst(const NodeMeshes& meshes, const CheckedCell& cell, const std::
   return write_node_picture(meshes, cell.front, cell.looks.worst, color_of, Box(), path);
 }
 
+void add_rays(const std::vector<MissedRay>& rays, const glm::dvec3& origin, Json& list) {
+  for (const MissedRay& ray : rays) {
+    const glm::dvec3 eye = ray.eye + origin, at = ray.at + origin;
+    list.push_back({{"node", index_of(ray.node)}, {"eye", {eye.x, eye.y, eye.z}}, {"at", {at.x, at.y, at.z}}});
+  }
+}
+
 }  // namespace
 
 Status verify_cells(const VerifyCellsOptions& options, const ModelReader& reader, JobMonitor& monitor, Json& figures) {
@@ -151,15 +166,12 @@ Status verify_cells(const VerifyCellsOptions& options, const ModelReader& reader
   Totals totals;
   const CheckedCell* worst = nullptr;
   const glm::dvec3& origin = reader.model().manifest.origin;
-  figures["missed"] = Json::array();
+  figures["missed"] = figures["slits"] = Json::array();
   for (const std::optional<Result<CheckedCell>>& cell : std::span(checked).subspan(first, end - first)) {
     if (!cell->ok()) return cell->error();
     totals.add(**cell);
-    for (const MissedRay& ray : (*cell)->looks.missed) {
-      const glm::dvec3 eye = ray.eye + origin, at = ray.at + origin;
-      figures["missed"].push_back(
-          {{"node", index_of(ray.node)}, {"eye", {eye.x, eye.y, eye.z}}, {"at", {at.x, at.y, at.z}}});
-    }
+    add_rays((*cell)->looks.missed, origin, figures["missed"]);
+    add_rays((*cell)->looks.slits, origin, figures["slits"]);
     if (worst == nullptr || (*cell)->looks.worst_pixels > worst->looks.worst_pixels) worst = &**cell;
   }
   const double ratio = totals.ratios == 0 ? 0 : totals.ratio_sum / double(totals.ratios);

@@ -10,7 +10,7 @@
 namespace promenade {
 
 struct VerifyCellsOptions {
-  uint32_t cells = 20;            ///< random ones
+  uint32_t cells = 20;            ///< random ones; of stored cells each once before any twice
   std::filesystem::path model;    ///< its name, for messages
   std::string hiders;             ///< what they hide is checked instead of what the model stores; empty: the model's
   double pixel_error = 1;         ///< of the fronts, for a model without cells

@@ -160,7 +160,7 @@ Status verify_source(const VerifySourceOptions& options, const ModelReader& read
   const Result<std::vector<Camera>> cameras =
       options.path.empty() ? random_cameras(options, reader) : path_cameras(options);
   if (!cameras) return cameras.error();
-  const std::unique_ptr<Renderer> renderer = create_cpu_renderer();
+  const std::unique_ptr<Renderer> renderer = create_cpu_renderer({.close_gaps = true});
   SourceRenderOptions reference;
   reference.sources = options.sources, reference.import = options.import, reference.cameras = *cameras;
   reference.memory_bytes = kMemoryBytes;

@@ -82,6 +82,10 @@ void add_renderer_option(CLI::App& app, ViewOptions& options) {
 
 void add_renderer_options(CLI::App& app, ViewOptions& options) {
   add_renderer_option(app, options);
+  app.add_flag(
+      "--close-gaps", options.close_gaps,
+      "With the cpu renderer: close gaps between nodes that rounding leaves, some pixels in a thousand million, "
+      "for a seventh of a frame's time");
   add_parsed<OffscreenKind>(app, "--offscreen", options.offscreen, parse_offscreen,
                             "OpenGL without a display: osmesa (CPU), egl (GPU), automatic")
       ->default_str("automatic");
@@ -126,6 +130,12 @@ void add_fade_option(CLI::App& app, ViewOptions& options) {
                  "Frames in which a switch between levels fades (0: it pops)")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
+}
+
+void add_eye_culling_option(CLI::App& app, ViewOptions& options) {
+  app.add_flag("--eye-culling", options.session.select.eye_culling,
+               "Of what the eye's cell sees, leave out what this eye does not see through the openings in walls (for "
+               "models built with --openings)");
 }
 
 void add_frames_ahead_option(CLI::App& app, ViewOptions& options) {
@@ -189,6 +199,9 @@ void add_policy_options(CLI::App& app, ViewOptions& options, Policy default_poli
                  "Part of --pixel-error by which a finer level must be finer than asked for before it is given up")
       ->check(CLI::Range(0.0, 0.9))
       ->capture_default_str();
+  app.add_flag(
+      "!--no-fit-memory", select.fit_memory,
+      "Ask for what --pixel-error asks for where it does not fit into --memory, too, instead of a coarser bound");
   add_benefit_options(app, select.benefit);
   app.add_option_function<std::vector<std::string>>(
          "--class-weight",
@@ -240,8 +253,8 @@ Result<OffscreenRenderer> gl_renderer_on(std::unique_ptr<GlContext> context) {
   return OffscreenRenderer{std::move(context), std::move(*renderer), description, description};
 }
 
-OffscreenRenderer on_the_cpu(const std::string& why) {
-  return {nullptr, create_cpu_renderer(), "cpu: visibility buffer" + why, "cpu"};
+OffscreenRenderer on_the_cpu(const ViewOptions& options, const std::string& why) {
+  return {nullptr, create_cpu_renderer({.close_gaps = options.close_gaps}), "cpu: visibility buffer" + why, "cpu"};
 }
 
 /// Both renderers, a few frames each.
@@ -254,16 +267,17 @@ Result<Calibration> measure_both(OffscreenKind offscreen) {
 }
 
 /// The faster one on this machine, and why in its description.
-Result<OffscreenRenderer> faster_renderer(OffscreenKind offscreen) {
+Result<OffscreenRenderer> faster_renderer(const ViewOptions& options) {
+  const OffscreenKind offscreen = options.offscreen;
   const std::string way(name_of(offscreen));
   const std::filesystem::path file = calibration_file(way);
   const Result<Calibration> known =
       calibrated(file, calibration_machine(way), [offscreen] { return measure_both(offscreen); });
-  if (!known) return on_the_cpu(fmt::format(" (auto: no OpenGL: {})", known.error().message));
+  if (!known) return on_the_cpu(options, fmt::format(" (auto: no OpenGL: {})", known.error().message));
   const std::string why = fmt::format(" ({})", reason_of(*known, file));
-  if (known->cpu_is_faster()) return on_the_cpu(why);
+  if (known->cpu_is_faster()) return on_the_cpu(options, why);
   Result<std::unique_ptr<GlContext>> context = create_offscreen_context(offscreen);
-  if (!context) return on_the_cpu(fmt::format(" (auto: OpenGL is gone: {})", context.error().message));
+  if (!context) return on_the_cpu(options, fmt::format(" (auto: OpenGL is gone: {})", context.error().message));
   Result<OffscreenRenderer> gl = gl_renderer_on(std::move(*context));
   if (gl) gl->description += why;
   return gl;
@@ -272,13 +286,13 @@ Result<OffscreenRenderer> faster_renderer(OffscreenKind offscreen) {
 }  // namespace
 
 Result<OffscreenRenderer> make_offscreen_renderer(const ViewOptions& options) {
-  if (options.renderer == RendererKind::cpu) return on_the_cpu("");
+  if (options.renderer == RendererKind::cpu) return on_the_cpu(options, "");
   if (options.renderer == RendererKind::gl) {
     Result<std::unique_ptr<GlContext>> context = create_offscreen_context(options.offscreen);
     if (!context) return context.error();
     return gl_renderer_on(std::move(*context));
   }
-  Result<OffscreenRenderer> chosen = faster_renderer(options.offscreen);
+  Result<OffscreenRenderer> chosen = faster_renderer(options);
   if (chosen) fmt::print(stderr, "renderer: {}\n", chosen->description);
   return chosen;
 }

@@ -22,6 +22,7 @@ struct ViewOptions {
   double near_m = 0.1;
   SessionOptions session;
   RendererKind renderer = RendererKind::automatic;
+  bool close_gaps = false;
   OffscreenKind offscreen = OffscreenKind::automatic;
   bool no_sky = false;
 };
@@ -48,6 +49,7 @@ void add_far_style_option(CLI::App& app, ViewOptions& options);
 /// --fade-frames: for what shows frame after frame.
 void add_fade_option(CLI::App& app, ViewOptions& options);
 /// --frames-ahead: for the same.
+void add_eye_culling_option(CLI::App& app, ViewOptions& options);
 void add_frames_ahead_option(CLI::App& app, ViewOptions& options);
 
 Camera camera_of(const ViewOptions& options, const Pose& pose);

@@ -58,6 +58,13 @@ TEST_F(SmallCity, is_built_with_the_figures_of_the_contract) {
     EXPECT_TRUE(figures.contains(name)) << name;
   EXPECT_GE(figures["triangles_in"].get<uint64_t>(), 90000U);
   EXPECT_GT(figures["nodes"].get<uint64_t>(), 50U);
+  double nodes_s = 0;  // of the processor's time, the parts that the tree's nodes took
+  for (const char* part : {"merge", "simplify", "measure", "code"}) {
+    EXPECT_GT(figures["node_cpu_s"][part].get<double>(), 0) << part;
+    nodes_s += figures["node_cpu_s"][part].get<double>();
+  }
+  EXPECT_EQ(figures["node_cpu_s"]["bake"], 0) << "a city without pictures";
+  EXPECT_LT(nodes_s, figures["cpu_s"].get<double>());
   EXPECT_FALSE(fs::exists(folder() / "city.prom.work")) << "the working files of a finished build stay behind";
 }
 
@@ -189,6 +196,61 @@ TEST_F(SmallCity, gets_far_pictures_later_and_is_flown_and_held_against_the_sour
   EXPECT_EQ(run_program("far far.prom --far-shells 9", folder()).exit_code, 1);
   EXPECT_EQ(run_program("far far.prom --far-bound 0", folder()).exit_code, 1);
   expect_one_clear_line(run_program("far none.prom", folder()), "none.prom");
+}
+
+/// Two closed rooms side by side, full of little boxes, as an OBJ file.
+std::string two_full_rooms() {
+  std::string vertices, faces;
+  int count = 0;
+  const auto box = [&](double x0, double y0, double z0, double x1, double y1, double z1) {
+    for (const double z : {z0, z1})
+      for (const auto& [x, y] : {std::pair(x0, y0), {x1, y0}, {x1, y1}, {x0, y1}})
+        vertices += fmt::format("v {} {} {}\n", x, y, z);
+    for (const std::array<int, 4>& f : std::vector<std::array<int, 4>>{
+             {4, 3, 2, 1}, {5, 6, 7, 8}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 4, 8, 7}, {4, 1, 5, 8}})
+      faces += fmt::format("f {} {} {} {}\n", count + f[0], count + f[1], count + f[2], count + f[3]);
+    count += 8;
+  };
+  box(0, 0, 0, 8.6, 4.4, 0.2), box(0, 0, 3.2, 8.6, 4.4, 3.4);          // floor, ceiling
+  box(0, 0, 0.2, 0.2, 4.4, 3.2), box(8.4, 0, 0.2, 8.6, 4.4, 3.2);      // left, right
+  box(0.2, 0, 0.2, 8.4, 0.2, 3.2), box(0.2, 4.2, 0.2, 8.4, 4.4, 3.2);  // front, back
+  box(4.2, 0.2, 0.2, 4.4, 4.2, 3.2);                                   // between
+  for (const double room : {0.7, 4.9})
+    for (int i = 0; i < 20; ++i)
+      for (int k = 0; k < 20; ++k) {
+        const double x = room + 0.15 * i, y = 0.6 + 0.15 * k;
+        box(x, y, 0.3, x + 0.1, y + 0.1, 0.4 + 0.002 * ((7 * i + 3 * k) % 20));
+      }
+  return vertices + faces;
+}
+
+TEST(SmallBuilding, eye_culling_leaves_out_nodes_and_no_pixel) {
+  TemporaryFolder folder;
+  const auto run = [&](const std::string& words) { return run_program(words, folder.path()); };
+  write_text(folder.path() / "rooms.obj", two_full_rooms());
+  write_text(folder.path() / "walk.json",
+             R"({"fps": 30, "keys": [{"t": 0, "eye": [2, 2, 1.7], "yaw_deg": 0, "pitch_deg": -20},
+                 {"t": 1, "eye": [2.5, 1.5, 1.7], "yaw_deg": 90, "pitch_deg": -40}]})");
+  const std::string build =
+      "build rooms.obj --unit 1 --up z --cells kd --hiders none --node-triangles 500 --memory 1GiB --jobs 2 -o ";
+  ASSERT_EQ(run(build + "rooms.prom --openings --json build.json").exit_code, 0);
+  ASSERT_EQ(run(build + "rooms.prom --openings --json build.json").exit_code, 0) << "in place of the first";
+  EXPECT_GT(json_in(folder.path() / "build.json")["bytes_by_part"]["openings"], 0);
+  const std::string fly =
+      "fly rooms.prom --path walk.json --size 320x180 --settle --policy vlod --renderer cpu --fade-frames 0 ";
+  ASSERT_EQ(run(fly + "--frames all --json all.json").exit_code, 0);
+  ASSERT_EQ(run(fly + "--frames eye --json eye.json --eye-culling").exit_code, 0);
+  size_t pictures = 0;
+  for (const auto& picture : fs::directory_iterator(folder.path() / "all")) {
+    ++pictures;
+    EXPECT_TRUE(read_text(picture.path()) == read_text(folder.path() / "eye" / picture.path().filename()))
+        << picture.path();
+  }
+  EXPECT_GT(pictures, 10U);
+  for (const json& frame : json_in(folder.path() / "eye.json")["frames"]) EXPECT_GT(frame["eye_hidden_nodes"], 0);
+  for (const json& frame : json_in(folder.path() / "all.json")["frames"]) EXPECT_EQ(frame["eye_hidden_nodes"], 0);
+  ASSERT_EQ(run(build + "without.prom").exit_code, 0);
+  expect_one_clear_line(run("fly without.prom --path walk.json --renderer cpu --eye-culling"), "--openings");
 }
 
 TEST_F(SmallCity, study_far_tells_what_differences_from_a_neighbour_save) {
@@ -323,6 +385,24 @@ TEST_F(SmallCity, verify_holds_pictures_against_the_source) {
   ASSERT_EQ(run_program("generate city --seed 9 --triangles 4000 -o other.glb", folder()).exit_code, 0);
   expect_one_clear_line(run_program("verify city.prom --cells 0 --source other.glb --source-views 1", folder()),
                         "triangles");
+}
+
+TEST_F(SmallCity, verify_holds_bounds_against_the_source) {
+  const ProgramRun run = run_program(
+      "verify city.prom --cells 0 --source city.glb --source-views 0 --points 20000 --json verify.json", folder());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json_in(folder() / "verify.json");
+  EXPECT_EQ(figures["points_on_source"], 10000);
+  EXPECT_GE(figures["points_on_nodes"], 10000);
+  EXPECT_EQ(figures["source_points_beyond_bound"], 0);
+  EXPECT_EQ(figures["node_points_beyond_bound"], 0);
+  EXPECT_GE(figures["bound_over_distance_median"], 1);
+  EXPECT_LT(figures["bound_over_distance_median"], 3);
+  EXPECT_FALSE(figures.contains("source_views"));
+  expect_one_clear_line(run_program("verify city.prom --cells 0 --points 10", folder()), "--source");
+  ASSERT_EQ(run_program("generate city --seed 9 --triangles 4000 -o other.glb", folder()).exit_code, 0);
+  expect_one_clear_line(
+      run_program("verify city.prom --cells 0 --source other.glb --source-views 0 --points 10", folder()), "triangles");
 }
 
 TEST_F(SmallCity, verify_goes_on_where_it_stopped) {

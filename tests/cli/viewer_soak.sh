@@ -1,16 +1,30 @@
 #!/usr/bin/env bash
 # The window under random keys and drags for a while: no crash, no sanitizer's report, memory flat. Needs a display of
 # its own (xvfb-run) and xdotool. The same keys for the same SEED (environment; 1).
-# usage: xvfb-run -a tests/cli/viewer_soak.sh PROGRAM [SECONDS, 60]
+# usage: xvfb-run -a tests/cli/viewer_soak.sh PROGRAM [SECONDS, 60] [MODEL, a small city built here]
 set -euo pipefail
 program=$(realpath "$1")
 seconds=${2:-60}
-. "$(dirname "$0")/viewer_common.sh"
+model=${3:+$(realpath "$3")}
+tests=$(realpath "$(dirname "$0")/..")
+. "$tests/cli/viewer_common.sh"
 RANDOM=${SEED:-1}
+export TSAN_OPTIONS=suppressions=$tests/thread_suppressions.txt
+export LSAN_OPTIONS=suppressions=$tests/leak_suppressions.txt:print_suppressions=0
+export ASAN_OPTIONS=detect_odr_violation=0:verify_asan_link_order=0 UBSAN_OPTIONS=print_stacktrace=1
 
-"$program" generate city --triangles 200000 -o city.glb 2>/dev/null
-"$program" build city.glb -o city.prom 2>/dev/null
-"$program" view city.prom --size 640x360 --camera 20,20,30,45,-20 --memory 64MiB 2>view.log &
+if [[ -z $model ]]; then
+  "$program" generate city --triangles 200000 -o city.glb 2>/dev/null
+  "$program" build city.glb -o city.prom 2>/dev/null
+  model=city.prom
+fi
+preload=
+if grep -q -e __asan_init -e __tsan_init "$program"; then
+  # The OpenGL driver is unloaded before leaks are looked for, and what is said of it is nobody's then: it stays.
+  echo 'int dlclose(void *library) { return library == 0; }' | cc -x c - -shared -fPIC -o stay.so
+  preload=$PWD/stay.so
+fi
+LD_PRELOAD=$preload "$program" view "$model" --size 640x360 --camera 20,20,30,45,-20 --memory 64MiB 2>view.log &
 viewer=$!
 wait_for 60 window xdotool search --name Promenade
 for _ in {1..120}; do xdotool key p; sleep 0.5; [[ -s view-0001.png ]] && break; done
@@ -38,8 +52,6 @@ for ((i = 0; i < 300; ++i)); do kill -0 "$viewer" 2>/dev/null || break; sleep 0.
 status=0
 wait "$viewer" || status=$?
 viewer=
-((status == 0)) || fail "exit $status"
-! grep -q "Sanitizer" view.log || fail "a sanitizer reports"
 # Sanitizers keep what was freed for a while.
 slack=1.02
 grep -q -e __asan_init -e __tsan_init "$program" && slack=1.2
@@ -51,3 +63,5 @@ before, after = max(rss[third:2 * third]), max(rss[2 * third:])
 print(f"viewer_soak: {len(rss)} events; resident at most {before:.0f} MiB in the second third, {after:.0f} MiB in the last")
 assert after < before * float(sys.argv[1]) + 4, "memory grows"
 P
+((status == 0)) || fail "exit $status"
+! grep -q "Sanitizer" view.log || fail "a sanitizer reports"
