@@ -26,9 +26,11 @@ int run(const Command& command) {
     ConsoleMonitor monitor;  // its destructor ends the progress line before anything else is printed
     status = command.run(monitor, figures);
   }
-  if (status.ok() && !command.json_path.empty()) {
+  if (!command.json_path.empty() && (status.ok() || !figures.empty())) {
+    if (!status.ok()) figures["error"] = status.error().message;
     figures["peak_rss_bytes"] = peak_rss_bytes();
-    status = write_file(command.json_path, std::string_view(figures.dump(1) + "\n"));
+    const Status written = write_file(command.json_path, std::string_view(figures.dump(1) + "\n"));
+    if (status.ok()) status = written;
   }
   return status.ok() ? kDone : report_failure(status.error().message);
 }
@@ -42,7 +44,10 @@ int run_program(int argc, char** argv) {
                                    add_fly(program),      add_view(program),  add_verify(program), add_far(program)};
   for (Command& part : add_study(program)) commands.push_back(std::move(part));
   for (Command& command : commands)
-    command.app->add_option("--json", command.json_path, "Write the command's figures to FILE as one JSON object")
+    command.app
+        ->add_option("--json", command.json_path,
+                     "Write the command's figures to FILE as one JSON object; when it fails, those known so far and an "
+                     "\"error\"")
         ->type_name("FILE");
   try {
     program.parse(argc, argv);

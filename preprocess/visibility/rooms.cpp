@@ -10,13 +10,13 @@
 #include "geometry/box_tree.h"
 #include "layout/cell_faces.h"
 #include "preprocess/visibility/leaf_meshes.h"
-#include "preprocess/visibility/wall_mask.h"
+#include "preprocess/visibility/wall_openings.h"
 #include "preprocess/visibility/wall_planes.h"
 
 namespace promenade {
 namespace {
 
-/// Triangles whose corners all lie this near to a plane are in it. The rest of the slack is the mask's.
+/// Triangles whose corners all lie this near to a plane are in it. The rest of the slack is a wall's rim.
 constexpr float kInPlaneM = 0.0015F;
 constexpr float kFlat = 0.9F;
 constexpr size_t kMostOpenings = 24;  // of a face, one direction: more are united
@@ -50,23 +50,28 @@ class RoomFinder {
     list_faces();
     PROMENADE_TRY(for_each_wall([this](size_t leaf, const std::vector<WallTriangle>& found) { meet(leaf, found); }));
     list_walls();
-    make_masks();
-    PROMENADE_TRY(for_each_wall([this](size_t, const std::vector<WallTriangle>& found) { cover(found); }));
-    find_openings();
+    for (uint32_t first = 0; first < work_.size();) {
+      const uint32_t end = end_of_group(first);
+      PROMENADE_TRY(for_each_wall(
+          [this, first, end](size_t, const std::vector<WallTriangle>& found) { hold(found, first, end); }));
+      find_openings(first, end);
+      first = end;
+    }
+    list_exits();
     return Done{};
   }
 
   /// A triangle that lies in a face's plane and reaches into the face.
   struct WallTriangle {
     uint32_t face;
-    std::array<glm::dvec2, 3> corners;
+    FlatTriangle corners;
     bool closes_down, closes_up;  ///< to those who walk that way it shows its front
   };
   struct FaceWork {
     std::vector<uint32_t> leaves;
-    std::array<std::optional<WallMask>, 2> masks;  ///< by way; none: all open
+    std::array<uint64_t, 2> met{};  ///< by way: triangles that close it; none: all open
+    std::array<std::vector<FlatTriangle>, 2> walls;
     std::array<std::vector<Box>, 2> openings;
-    std::array<bool, 2> met{};
   };
 
   Status divide();
@@ -78,9 +83,10 @@ class RoomFinder {
                  std::vector<WallTriangle>& found) const;
   void meet(size_t leaf, const std::vector<WallTriangle>& found);
   void list_walls();
-  void make_masks();
-  void cover(const std::vector<WallTriangle>& found);
-  void find_openings();
+  uint32_t end_of_group(uint32_t first) const;
+  void hold(const std::vector<WallTriangle>& found, uint32_t first, uint32_t end);
+  void find_openings(uint32_t first, uint32_t end);
+  void list_exits();
   void sort_rooms();
 
   /// Of those across an axis, every one whose rectangle touches the box. Not by rooms: around a town is one with a face
@@ -92,7 +98,7 @@ class RoomFinder {
   }
   std::mutex& lock_of(uint32_t face) { return locks_[face % locks_.size()]; }
   Box rectangle(uint32_t face) const { return rectangle_of(rooms_.space, rooms_.space.faces[face]); }
-  static glm::dvec2 flat(const glm::vec3& p, int axis) { return {p[(axis + 1) % 3], p[(axis + 2) % 3]}; }
+  static glm::vec2 flat(const glm::vec3& p, int axis) { return {p[(axis + 1) % 3], p[(axis + 2) % 3]}; }
 
   const ModelReader& reader_;
   const RoomOptions& options_;
@@ -181,7 +187,7 @@ void RoomFinder::meet(size_t leaf, const std::vector<WallTriangle>& found) {
   for (const WallTriangle& triangle : found) {
     const std::lock_guard lock(lock_of(triangle.face));
     FaceWork& face = work_[triangle.face];
-    face.met[Way::down] |= triangle.closes_down, face.met[Way::up] |= triangle.closes_up;
+    face.met[Way::down] += triangle.closes_down ? 1 : 0, face.met[Way::up] += triangle.closes_up ? 1 : 0;
     if (face.leaves.empty() || face.leaves.back() != leaf) face.leaves.push_back(static_cast<uint32_t>(leaf));
   }
 }
@@ -210,53 +216,49 @@ void RoomFinder::list_walls() {
   }
 }
 
-void RoomFinder::make_masks() {
-  const auto corners = [&](uint32_t face) {
-    const int axis = static_cast<int>(rooms_.space.faces[face].axis);
-    return std::pair(flat(rectangle(face).min, axis), flat(rectangle(face).max, axis));
-  };
-  double step_m = options_.step_m;
-  while (true) {
-    uint64_t points = 0;
-    for (uint32_t i = 0; i < work_.size(); ++i)
-      for (const bool met : work_[i].met)
-        if (met) points += WallMask::points_of(corners(i).first, corners(i).second, step_m);
-    if (points <= options_.most_samples || points <= 16 * work_.size()) break;
-    step_m *= 1.4;
-  }
-  for (uint32_t i = 0; i < work_.size(); ++i)
-    for (size_t way = 0; way < 2; ++way)
-      if (work_[i].met[way]) work_[i].masks[way].emplace(corners(i).first, corners(i).second, step_m);
+/// Faces from the first on whose triangles are held together: one, or as many as memory is for.
+uint32_t RoomFinder::end_of_group(uint32_t first) const {
+  uint64_t held = 0;
+  uint32_t end = first;
+  while (end < work_.size() &&
+         (end == first || held + work_[end].met[0] + work_[end].met[1] <= options_.most_triangles))
+    held += work_[end].met[0] + work_[end].met[1], ++end;
+  return end;
 }
 
-void RoomFinder::cover(const std::vector<WallTriangle>& found) {
+void RoomFinder::hold(const std::vector<WallTriangle>& found, uint32_t first, uint32_t end) {
   for (const WallTriangle& t : found) {
+    if (t.face < first || t.face >= end) continue;
     const std::lock_guard lock(lock_of(t.face));
-    std::array<std::optional<WallMask>, 2>& masks = work_[t.face].masks;
-    if (t.closes_down) masks[Way::down]->cover(t.corners[0], t.corners[1], t.corners[2]);
-    if (t.closes_up) masks[Way::up]->cover(t.corners[0], t.corners[1], t.corners[2]);
+    std::array<std::vector<FlatTriangle>, 2>& walls = work_[t.face].walls;
+    if (t.closes_down) walls[Way::down].push_back(t.corners);
+    if (t.closes_up) walls[Way::up].push_back(t.corners);
   }
 }
 
-void RoomFinder::find_openings() {
-  tbb::parallel_for(size_t(0), work_.size(), [&](size_t i) {
-    const Box whole = rectangle(static_cast<uint32_t>(i));
+void RoomFinder::find_openings(uint32_t first, uint32_t end) {
+  tbb::parallel_for(first, end, [&](uint32_t i) {
+    const Box whole = rectangle(i);
     const int axis = static_cast<int>(rooms_.space.faces[i].axis), u = (axis + 1) % 3, v = (axis + 2) % 3;
     for (size_t way = 0; way < 2; ++way) {
       std::vector<Box>& openings = work_[i].openings[way];
-      if (!work_[i].masks[way]) {
+      std::vector<FlatTriangle> walls = std::move(work_[i].walls[way]);
+      if (walls.empty()) {
         openings.push_back(whole.grown(Rooms::kSlackM));
         continue;
       }
-      for (const WallMask::Opening& open : work_[i].masks[way]->openings(kMostOpenings)) {
+      for (const WallOpening& open :
+           find_wall_openings(flat(whole.min, axis), flat(whole.max, axis), walls, options_.step_m, kMostOpenings)) {
         Box box = whole;
         box.min[u] = static_cast<float>(open.low.x), box.max[u] = static_cast<float>(open.high.x);
         box.min[v] = static_cast<float>(open.low.y), box.max[v] = static_cast<float>(open.high.y);
         openings.push_back(box.grown(Rooms::kSlackM));
       }
-      work_[i].masks[way].reset();
     }
   });
+}
+
+void RoomFinder::list_exits() {
   const size_t rooms = rooms_.space.cells.size();
   rooms_.first_exit.reserve(6 * rooms + 1);
   for (uint32_t room = 0; room < rooms; ++room)
@@ -267,7 +269,7 @@ void RoomFinder::find_openings() {
         const bool upwards = index_of(f.below) == room;
         if (2 * f.axis + (upwards ? 1 : 0) != way) continue;
         const std::vector<Box>& openings = work_[face].openings[upwards ? Way::up : Way::down];
-        if (work_[face].met[upwards ? Way::up : Way::down]) {
+        if (work_[face].met[upwards ? Way::up : Way::down] > 0) {
           const glm::dvec2 size = flat(rectangle(face).size(), static_cast<int>(f.axis));
           double open_m2 = 0;
           for (const Box& box : openings) {

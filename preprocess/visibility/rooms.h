@@ -15,9 +15,8 @@ struct RoomOptions {
   /// A plane cuts a room when surfaces cover this part of the room's cross-section. Less: more rooms, more walls that
   /// hide, more time a cell.
   double least_cover = 0.2;
-  /// Holes in a wall narrower than this (or than 1/4096 of the wall's piece, if that is more) may be taken for closed.
-  double step_m = 0.02;
-  uint64_t most_samples = uint64_t(1) << 30U;  ///< of all walls, two bits each: beyond, steps grow
+  double step_m = 0.02;  ///< what openings are rounded to, outwards (a 4096th of the wall's piece, if that is more)
+  uint64_t most_triangles = uint64_t(1) << 23U;  ///< of walls, held at once: for more, leaves are read more often
 };
 
 /// What leads from one room to another, in one direction: everything that is not proven to be covered by opaque
@@ -72,8 +71,8 @@ void for_each_room(const Rooms& rooms, const Box& box, const Visit& visit) {
   }
 }
 
-/// Reads every leaf three times, several at once; the same for any number of threads. Errors: reading the model,
-/// "interrupted".
+/// Reads every leaf three times or more, several at once; the same for any number of threads. Errors: reading the
+/// model, "interrupted".
 Result<Rooms> find_rooms(const ModelReader& reader, const RoomOptions& options, JobMonitor& monitor);
 
 /// The same where space is divided already: every leaf of its tree is a room. order is left empty.

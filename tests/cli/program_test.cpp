@@ -398,11 +398,16 @@ TEST_F(SmallCity, verify_holds_bounds_against_the_source) {
   EXPECT_EQ(figures["node_points_beyond_bound"], 0);
   EXPECT_GE(figures["bound_over_distance_median"], 1);
   EXPECT_LT(figures["bound_over_distance_median"], 3);
-  EXPECT_FALSE(figures.contains("source_views"));
+  EXPECT_FALSE(figures.contains("source_views") || figures.contains("error"));
   expect_one_clear_line(run_program("verify city.prom --cells 0 --points 10", folder()), "--source");
   ASSERT_EQ(run_program("generate city --seed 9 --triangles 4000 -o other.glb", folder()).exit_code, 0);
   expect_one_clear_line(
-      run_program("verify city.prom --cells 0 --source other.glb --source-views 0 --points 10", folder()), "triangles");
+      run_program("verify city.prom --cells 0 --source other.glb --source-views 0 --points 10 --json failed.json",
+                  folder()),
+      "triangles");
+  const json failed = json_in(folder() / "failed.json");
+  EXPECT_EQ(failed["checksums_ok"], true) << "what was found before stays";
+  EXPECT_THAT(failed["error"].get<std::string>(), testing::HasSubstr("triangles"));
 }
 
 TEST_F(SmallCity, verify_goes_on_where_it_stopped) {

@@ -2,8 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include "geometry/random.h"
 #include "preprocess/visibility/line_beam.h"
-#include "preprocess/visibility/wall_mask.h"
+#include "preprocess/visibility/wall_openings.h"
 #include "tests/preprocess/who_sees_whom.h"
 
 namespace promenade {
@@ -83,6 +84,13 @@ std::vector<Situation> doors() {
                  two_rooms(together(wall_across_x(4, {door}), block({4.08F, 1.5F, 0.05F}, {4.12F, 2.5F, 2})),
                            {{"on_the_floor", block({5, 1.5F, 0.01F}, {6, 2.5F, 0.3F})}}),
                  {{1, 1.5F, 0.005F}, {2, 2.5F, 0.3F}},
+                 {},
+                 {"on_the_floor"}});
+  // As a lift's door ends half a centimetre above the floor.
+  all.push_back({"slit_of_half_a_centimetre_under_the_door",
+                 two_rooms(together(wall_across_x(4, {door}), block({4.08F, 1.5F, 0.005F}, {4.12F, 2.5F, 2})),
+                           {{"on_the_floor", block({5, 1.5F, 0.001F}, {6, 2.5F, 0.3F})}}),
+                 {{1, 1.5F, 0.001F}, {2, 2.5F, 0.3F}},
                  {},
                  {"on_the_floor"}});
   all.push_back({"cell_touches_the_wall",
@@ -318,11 +326,18 @@ TEST(LineBeam, ends_at_what_no_line_reaches) {
   EXPECT_TRUE(beam.empty());
 }
 
-TEST(WallMask, opens_what_no_triangle_covers) {
-  WallMask mask({0, 0}, {4, 3}, 0.02);
-  mask.cover({0, 0}, {1.5, 0}, {1.5, 3}), mask.cover({0, 0}, {1.5, 3}, {0, 3});
-  mask.cover({2.5, 0}, {4, 0}, {4, 3}), mask.cover({2.5, 3}, {2.5, 0}, {4, 3});
-  const std::vector<WallMask::Opening> openings = mask.openings(8);
+/// Two triangles.
+void add_rectangle(std::vector<FlatTriangle>& wall, const glm::vec2& low, const glm::vec2& high) {
+  wall.push_back({low, glm::vec2(high.x, low.y), high});
+  wall.push_back({low, high, glm::vec2(low.x, high.y)});
+}
+
+TEST(WallOpenings, are_what_no_triangle_covers) {
+  std::vector<FlatTriangle> wall;
+  add_rectangle(wall, {0, 0}, {1.5, 3});
+  add_rectangle(wall, {2.5, 0}, {4, 3});
+  std::swap(wall[2][0], wall[2][1]);  // any winding
+  const std::vector<WallOpening> openings = find_wall_openings({0, 0}, {4, 3}, wall, 0.02, 8);
   ASSERT_EQ(openings.size(), 1U);
   EXPECT_NEAR(openings[0].low.x, 1.5, 0.02);
   EXPECT_LE(openings[0].low.x, 1.5 + 0.001) << "but for the rim of a millimetre";
@@ -332,31 +347,83 @@ TEST(WallMask, opens_what_no_triangle_covers) {
   EXPECT_EQ(openings[0].high.y, 3);
 }
 
-TEST(WallMask, unites_many_openings_and_loses_none) {
-  WallMask mask({0, 0}, {4, 4}, 0.05);
-  for (int i = 0; i < 40; i += 2) {
-    const double x = i * 0.1;
-    mask.cover({x, 0}, {x + 0.1, 0}, {x + 0.1, 4}), mask.cover({x, 0}, {x + 0.1, 4}, {x, 4});
-  }
-  const std::vector<WallMask::Opening> openings = mask.openings(5);
+TEST(WallOpenings, many_are_united_and_none_is_lost) {
+  std::vector<FlatTriangle> wall;
+  for (int i = 0; i < 40; i += 2) add_rectangle(wall, {float(i) * 0.1F, 0}, {float(i + 1) * 0.1F, 4});
+  const std::vector<WallOpening> openings = find_wall_openings({0, 0}, {4, 4}, wall, 0.05, 5);
   EXPECT_LE(openings.size(), 5U);
   for (int i = 1; i < 40; i += 2) {
     const double x = i * 0.1 + 0.05;
-    EXPECT_THAT(openings, testing::Contains(testing::Truly([&](const WallMask::Opening& o) {
+    EXPECT_THAT(openings, testing::Contains(testing::Truly([&](const WallOpening& o) {
                   return o.low.x <= x && x <= o.high.x && o.low.y <= 0 && o.high.y >= 4;
                 })))
         << x;
   }
 }
 
-TEST(WallMask, covered_altogether_is_closed_and_untouched_is_open) {
-  WallMask closed({0, 0}, {1, 1}, 0.02);
-  closed.cover({0, 0}, {1, 0}, {1, 1}), closed.cover({1, 1}, {0, 1}, {0, 0});
-  EXPECT_TRUE(closed.openings(4).empty());
-  const std::vector<WallMask::Opening> open = WallMask({0, 0}, {1, 1}, 0.02).openings(4);
+TEST(WallOpenings, covered_altogether_is_closed_and_untouched_is_open) {
+  std::vector<FlatTriangle> wall;
+  add_rectangle(wall, {0, 0}, {1, 1});
+  EXPECT_TRUE(find_wall_openings({0, 0}, {1, 1}, wall, 0.02, 4).empty());
+  std::vector<FlatTriangle> none;
+  const std::vector<WallOpening> open = find_wall_openings({0, 0}, {1, 1}, none, 0.02, 4);
   ASSERT_EQ(open.size(), 1U);
   EXPECT_EQ(open[0].low, glm::dvec2(0));
   EXPECT_EQ(open[0].high, glm::dvec2(1));
+}
+
+TEST(WallOpenings, a_slit_finer_than_the_grid_is_open_from_two_millimetres_on) {
+  for (const double slit_m : {0.0, 0.0005, 0.0019, 0.0022, 0.005, 0.015}) {
+    // Between two pieces, where the grid's points all lie on one or the other; and beneath a door, at the border.
+    std::vector<FlatTriangle> pieces, beneath;
+    add_rectangle(pieces, {0, 0}, {3, 1.0055}), add_rectangle(pieces, {0, static_cast<float>(1.0055 + slit_m)}, {3, 2});
+    add_rectangle(beneath, {0, static_cast<float>(slit_m)}, {3, 2});
+    for (std::vector<FlatTriangle>* wall : {&pieces, &beneath}) {
+      const std::vector<WallOpening> openings = find_wall_openings({0, 0}, {3, 2}, *wall, 0.02, 4);
+      if (slit_m < 0.002) {
+        EXPECT_TRUE(openings.empty()) << slit_m;
+        continue;
+      }
+      ASSERT_EQ(openings.size(), 1U) << slit_m;
+      const WallOpening& open = openings[0];
+      const double at = wall == &pieces ? 1.0055 + slit_m / 2 : 0.0;
+      EXPECT_TRUE(open.low.x <= 0 && open.high.x >= 3 && open.low.y <= at && open.high.y >= at) << slit_m;
+      EXPECT_LE(open.high.y - open.low.y, 0.021) << "no wider than a square of the grid";
+    }
+  }
+}
+
+TEST(WallOpenings, many_triangles_that_meet_leave_nothing_between_them) {
+  // A fan around a point that no grid has, each piece rounded by itself, half of them more than once.
+  Random random(5);
+  std::vector<FlatTriangle> wall;
+  const glm::vec2 middle(1.2345F, 0.8765F);
+  std::vector<glm::vec2> rim;
+  const auto along = [&](const glm::vec2& from, const glm::vec2& to) {
+    for (int i = 0; i < 25; ++i) rim.push_back(from + (to - from) * (float(i) / 25));
+  };
+  along({0, 0}, {2, 0}), along({2, 0}, {2, 2}), along({2, 2}, {0, 2}), along({0, 2}, {0, 0});
+  const auto rounded = [&](const glm::vec2& p) {
+    return p + glm::vec2(random.range(-0.0003F, 0.0003F), random.range(-0.0003F, 0.0003F));
+  };
+  for (size_t i = 0; i < rim.size(); ++i)
+    for (size_t k = 0; k <= i % 2; ++k)
+      wall.push_back({rounded(middle), rounded(rim[i]), rounded(rim[(i + 1) % rim.size()])});
+  EXPECT_TRUE(find_wall_openings({0, 0}, {2, 2}, wall, 0.02, 24).empty());
+  std::vector<FlatTriangle> missing = wall;
+  const size_t gone = missing.size() / 2;
+  const glm::vec2 at = (missing[gone][0] + missing[gone][1] + missing[gone][2]) / 3.0F;
+  std::erase_if(missing, [&](const FlatTriangle& t) { return glm::length((t[0] + t[1] + t[2]) / 3.0F - at) < 0.005F; });
+  const std::vector<WallOpening> openings = find_wall_openings({0, 0}, {2, 2}, missing, 0.02, 24);
+  EXPECT_THAT(openings, testing::Contains(testing::Truly([&](const WallOpening& o) {
+                return o.low.x <= double(at.x) && double(at.x) <= o.high.x && o.low.y <= double(at.y) &&
+                       double(at.y) <= o.high.y;
+              })));
+  std::reverse(missing.begin(), missing.end());
+  const std::vector<WallOpening> again = find_wall_openings({0, 0}, {2, 2}, missing, 0.02, 24);
+  ASSERT_EQ(again.size(), openings.size());
+  for (size_t i = 0; i < again.size(); ++i)
+    EXPECT_TRUE(again[i].low == openings[i].low && again[i].high == openings[i].high);
 }
 
 }  // namespace
