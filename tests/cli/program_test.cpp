@@ -407,7 +407,7 @@ TEST_F(SmallCity, verify_holds_bounds_against_the_source) {
       "triangles");
   const json failed = json_in(folder() / "failed.json");
   EXPECT_EQ(failed["checksums_ok"], true) << "what was found before stays";
-  EXPECT_THAT(failed["error"].get<std::string>(), testing::HasSubstr("triangles"));
+  EXPECT_NE(failed["error"].get<std::string>().find("triangles"), std::string::npos);
 }
 
 TEST_F(SmallCity, verify_goes_on_where_it_stopped) {
