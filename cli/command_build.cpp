@@ -45,6 +45,7 @@ Status run_build(const BuildOptions& options, JobMonitor& monitor, Json& figures
              {"triangles_stored", made->triangles_stored},
              {"bytes_by_part", made->bytes_by_part},
              {"stage_wall_s", made->stage_wall_s},
+             {"stage_peak_rss_bytes", made->stage_peak_rss_bytes},
              {"node_cpu_s", made->node_cpu_s},
              {"cpu_s", double(std::clock()) / CLOCKS_PER_SEC},
              {"spill_bytes_peak", made->spill_bytes_peak},

@@ -1,8 +1,8 @@
 #include "cli/console.h"
+#include "geometry/process_memory.h"
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -112,12 +112,6 @@ void ConsoleMonitor::warning(std::string_view message) {
 }
 
 bool ConsoleMonitor::cancelled() const { return interrupt_requested.load(std::memory_order_relaxed); }
-
-uint64_t peak_rss_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
-}
 
 std::string human_bytes(uint64_t bytes) {
   constexpr std::array kUnits = {"B", "KiB", "MiB", "GiB", "TiB"};

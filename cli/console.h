@@ -41,9 +41,6 @@ class ConsoleMonitor : public JobMonitor {
 /// process at once.
 void catch_interrupts();
 
-/// Most memory that this process held so far, in bytes.
-uint64_t peak_rss_bytes();
-
 /// Seconds since construction.
 class WallClock {
  public:

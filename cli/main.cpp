@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/console.h"
+#include "geometry/process_memory.h"
 #include "layout/file_io.h"
 
 namespace promenade {

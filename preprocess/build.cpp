@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "codec/frame.h"
+#include "geometry/process_memory.h"
 #include "preprocess/assemble.h"
 #include "preprocess/object_units.h"
 #include "preprocess/partition.h"
@@ -33,6 +34,7 @@ class StageClock {
     const auto now = std::chrono::steady_clock::now();
     figures_.stage_wall_s[stage] += std::chrono::duration<double>(now - start_).count();
     start_ = now;
+    figures_.stage_peak_rss_bytes[stage] = peak_rss_bytes();
   }
 
  private:

@@ -50,7 +50,8 @@ struct BuildFigures {
   double delta_bytes_mean = 0;                    ///< of the coded vLODs, a face: all deltas follow from them
   std::map<std::string, uint64_t> bytes_by_part;  ///< "geometry", "textures", "tables", "cells", "far", "manifest"
   std::map<std::string, double> stage_wall_s;     ///< "survey", "partition", "simplify", ...
-  std::map<std::string, double> node_cpu_s;       ///< processor time of making nodes: NodeProfile's parts
+  std::map<std::string, uint64_t> stage_peak_rss_bytes;  ///< by stage: of the process until its end
+  std::map<std::string, double> node_cpu_s;              ///< processor time of making nodes: NodeProfile's parts
   std::map<std::string, uint64_t> import_counts;
   std::vector<std::string> warnings;
 };

@@ -1,6 +1,5 @@
 #include "runtime/flight.h"
-
-#include <sys/resource.h>
+#include "geometry/process_memory.h"
 
 #include <algorithm>
 #include <chrono>
@@ -12,12 +11,6 @@ namespace promenade {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-uint64_t peak_rss_bytes() {
-  rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
-  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
-}
 
 /// Nearest rank: a value that occurred. p in (0, 1].
 double percentile(std::vector<double> values, double p) {
