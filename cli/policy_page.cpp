@@ -104,6 +104,8 @@ std::string table_of(const std::vector<PolicyFlight>& flights) {
       {"nodes missing, mean", [](const FlightReport& r) { return fmt::format("{:.3f}", r.totals.nodes_missing_mean); }},
       {"toggles a frame", [](const FlightReport& r) { return fmt::format("{:.4f}", r.totals.toggles_per_frame); }},
       {"of them by loading", [](const FlightReport& r) { return fmt::format("{}", r.totals.toggles_loading); }},
+      {"of them undone within a second",
+       [](const FlightReport& r) { return fmt::format("{}", r.totals.toggles_back); }},
       {"popped pixels of a million",
        [](const FlightReport& r) {
          return r.totals.popped_share_mean ? fmt::format("{:.0f}", *r.totals.popped_share_mean * 1e6) : "-";

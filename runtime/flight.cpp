@@ -122,7 +122,7 @@ FlightTotals totals_of(const std::vector<FrameRow>& rows, double target_ms) {
   for (const FrameRow& row : rows) {
     frame_ms.push_back(row.frame_ms);
     response_ms.push_back(row.response_ms);
-    totals.toggles_loading += row.toggles_loading;
+    totals.toggles_loading += row.toggles_loading, totals.toggles_back += row.toggles_back;
     totals.coarsening_max = std::max(totals.coarsening_max, row.coarsening);
     totals.stalls += row.frame_ms > 2 * target_ms ? 1 : 0;
     totals.bytes_read += row.bytes_read;

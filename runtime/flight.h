@@ -49,6 +49,7 @@ struct FlightTotals {
   double triangles_drawn_mean = 0, nodes_drawn_mean = 0, nodes_missing_mean = 0;
   double toggles_per_frame = 0;
   uint64_t toggles_loading = 0;  ///< of all toggles: up, because the finer level had just been loaded
+  uint64_t toggles_back = 0;     ///< of all toggles: undoing one of the same node within the second before, about
   double nodes_fading_mean = 0;
   /// Deviation of the time for one and the same picture, drawn twice, in percent of it; 0: not measured.
   double frame_noise_percent = 0;

@@ -43,6 +43,7 @@ struct FrameRow {
   uint64_t triangles_drawn = 0, nodes_drawn = 0, nodes_missing = 0;
   uint64_t toggles = 0, toggles_up = 0, toggles_down = 0;
   uint64_t toggles_loading = 0;  ///< of those up: what came was not there a frame before
+  uint64_t toggles_back = 0;     ///< of all: undoing one of the same node within the second before, about
   uint64_t nodes_fading = 0;     ///< drawn besides the front, for fades; their triangles are in triangles_drawn
   double pace = 1;               ///< of the machine: how much longer frames take than measured once
   uint64_t resident_bytes = 0;   ///< all that the memory bound counts

@@ -234,7 +234,7 @@ void FrameChooser::choose(const FrameWish& wish, ChosenFrame& frame) {
   row.nodes_missing = selection.nodes_missing;
   row.nodes_foreseen = selection.nodes_foreseen;
   row.toggles_up = selection.toggles_up, row.toggles_down = selection.toggles_down;
-  row.toggles_loading = selection.toggles_loading;
+  row.toggles_loading = selection.toggles_loading, row.toggles_back = selection.toggles_back;
   row.toggles = row.toggles_up + row.toggles_down;
   row.nodes_by_level = selection.nodes_by_level;
   frame.chosen = Clock::now();

@@ -21,6 +21,13 @@ constexpr double kLeastShareDivisor = 4;
 /// pixel_error.
 constexpr double kFeedbackPower = 0.2, kFeedbackCoarsest = 1000;
 
+/// A node that was refined is drawn, or the other way round: never twice the same, so each toggle undoes the last.
+void count_toggle(Selecting& s, SelectState::Node& node, uint64_t& of_its_way) {
+  ++of_its_way;
+  if (node.toggled != 0 && s.state.frame - node.toggled <= SelectionSums::kBackFrames) ++s.out.toggles_back;
+  node.toggled = s.state.frame;
+}
+
 /// What a front comes to: order, sums, toggles, estimates.
 void finish(Selecting& s) {
   const TimeSliceOptions& time = s.options.time;
@@ -36,7 +43,7 @@ void finish(Selecting& s) {
     ++s.out.nodes_by_level[n.level];
     SelectState::Node& kept = s.state.nodes[index_of(id)];
     if (kept.refined != 0 && kept.refined + 1 == s.state.frame) {
-      ++s.out.toggles_down;
+      count_toggle(s, kept, s.out.toggles_down);
       if (kept.lacked == s.state.frame) ++s.out.toggles_loading;
     }
     kept.drawn = s.state.frame;
@@ -44,7 +51,7 @@ void finish(Selecting& s) {
       SelectState::Node& ancestor = s.state.nodes[index_of(up)];
       if (ancestor.refined == s.state.frame) break;
       if (ancestor.drawn != 0 && ancestor.drawn + 1 == s.state.frame) {
-        ++s.out.toggles_up;
+        count_toggle(s, ancestor, s.out.toggles_up);
         if (ancestor.lacked != 0 && ancestor.lacked + 1 == s.state.frame) ++s.out.toggles_loading;
       }
       ancestor.refined = s.state.frame;

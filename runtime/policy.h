@@ -159,6 +159,7 @@ struct SelectState {
     uint32_t visited = 0, drawn = 0, refined = 0;  ///< frame of the last time, 0: never
     uint32_t priced = 0;                           ///< the same
     uint32_t lacked = 0;                           ///< the same, drawn because finer nodes were wanted but not resident
+    uint32_t toggled = 0;                          ///< the same, of a toggle up or down
   };
   std::vector<Node> nodes;
   uint32_t frame = 0;
@@ -189,11 +190,13 @@ struct SelectState {
 
 /// What a selection comes to.
 struct SelectionSums {
+  static constexpr uint32_t kBackFrames = 30;  ///< a second, about
   uint64_t triangles = 0;
   uint64_t nodes_missing = 0;       ///< nodes of the chosen front that were not resident: an ancestor stands in
   uint64_t toggles_up = 0;          ///< nodes drawn last frame, now refined ([lakhia2004] section 6.5)
   uint64_t toggles_down = 0;        ///< nodes refined last frame, now drawn
   uint64_t toggles_loading = 0;     ///< of both: because finer nodes came into memory or left it
+  uint64_t toggles_back = 0;        ///< of both: undoing one of the same node kBackFrames ago at most
   uint64_t loaded_rejected = 0;     ///< sibling sets that were resident but had no time
   uint64_t nodes_foreseen = 0;      ///< priced because they may be wanted soon, not now
   uint64_t optimisation_steps = 0;  ///< cost_benefit: levels changed on the way from the last frame's front

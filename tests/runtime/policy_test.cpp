@@ -342,6 +342,28 @@ TEST(TimeSlices, stop_at_the_pixel_bound_unless_as_published) {
   EXPECT_EQ(choose.selection.toggles_up, 1U);
 }
 
+TEST(Selection, tells_toggles_that_undo_one_of_the_second_before) {
+  OneSplit model;
+  Chooser choose(model);
+  choose.options.policy = Policy::static_error;
+  const auto choose_level = [&](double pixel_error) {
+    choose.options.pixel_error = pixel_error;
+    choose();
+  };
+  choose_level(30);
+  choose_level(1e-3);
+  ASSERT_EQ(choose.selection.toggles_up, 1U);
+  EXPECT_EQ(choose.selection.toggles_back, 0U) << "the first of its node";
+  choose_level(30);
+  ASSERT_EQ(choose.selection.toggles_down, 1U);
+  EXPECT_EQ(choose.selection.toggles_back, 1U);
+  for (uint32_t i = 0; i < SelectionSums::kBackFrames; ++i) choose_level(30);
+  EXPECT_EQ(choose.selection.toggles_back, 0U);
+  choose_level(1e-3);
+  ASSERT_EQ(choose.selection.toggles_up, 1U);
+  EXPECT_EQ(choose.selection.toggles_back, 0U) << "a level kept for a second";
+}
+
 TEST(TimeSlices, hidden_child_may_be_missing_unless_all_are_asked_for) {
   Forest model;
   const NodeId top = model.root({{10, -8, -1}, {10.5F, 40, 1}}, 5);
