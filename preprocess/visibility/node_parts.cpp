@@ -145,19 +145,20 @@ std::vector<NodePart> cut_into_parts(const Mesh& mesh, std::span<const Material>
 Result<NodeParts> NodeParts::make(const ModelReader& model, JobMonitor& monitor) {
   const ModelTables& tables = model.model().tables;
   const size_t count = tables.nodes.size();
-  std::vector<std::vector<NodePart>> made(count);
+  NodeParts parts;
+  parts.by_node_.resize(count);
   std::atomic<size_t> done = 0;
   std::mutex mutex;
   std::optional<std::pair<size_t, Error>> failed;  // the first by node
   tbb::parallel_for(size_t(0), count, [&](size_t i) {
     if (monitor.cancelled()) return;
     if (i >= model.model().first_moving_node()) {  // anywhere in what it sweeps, from any side
-      made[i] = {{tables.nodes[i].box, {}}};
+      parts.by_node_[i] = {{tables.nodes[i].box, {}}};
       return;
     }
     const Result<Mesh> mesh = model.read_mesh(NodeId{static_cast<uint32_t>(i)});
     if (mesh) {
-      made[i] = cut_into_parts(*mesh, tables.materials, kMostParts);
+      parts.by_node_[i] = cut_into_parts(*mesh, tables.materials, kMostParts);
     } else {
       const std::lock_guard lock(mutex);
       if (!failed || i < failed->first) failed = {i, mesh.error()};
@@ -167,14 +168,6 @@ Result<NodeParts> NodeParts::make(const ModelReader& model, JobMonitor& monitor)
   if (failed) return failed->second;
   if (monitor.cancelled()) return Error{"interrupted"};
   monitor.progress("parts", count, count);
-  NodeParts parts;
-  parts.first_.reserve(count + 1);
-  parts.first_.push_back(0);
-  for (std::vector<NodePart>& of_node : made) {
-    parts.parts_.insert(parts.parts_.end(), of_node.begin(), of_node.end());
-    parts.first_.push_back(parts.parts_.size());
-    of_node = {};
-  }
   return parts;
 }
 

@@ -25,14 +25,10 @@ class NodeParts {
   static Result<NodeParts> make(const ModelReader& model, JobMonitor& monitor);
 
   /// Together they hold all triangles of the node's own mesh. Empty: the node draws nothing.
-  std::span<const NodePart> of(NodeId id) const {
-    const size_t i = index_of(id);
-    return {parts_.data() + first_[i], first_[i + 1] - first_[i]};
-  }
+  std::span<const NodePart> of(NodeId id) const { return by_node_[index_of(id)]; }
 
  private:
-  std::vector<NodePart> parts_;
-  std::vector<size_t> first_;  ///< by node, and the end
+  std::vector<std::vector<NodePart>> by_node_;  ///< a list each: in one row they would stand twice while it is made
 };
 
 /// The parts of one mesh, no more than so many, about equally large; triangles that are large themselves may lie in
