@@ -918,20 +918,6 @@ void draw(const Frame& f, const Item& item, const BoxPicture& item_box, Region& 
   }
 }
 
-/// Lets a layer of what is seen through begin behind nothing and before the solid surfaces, whose depths are there.
-void clear_layer(const Frame& f, Region& r) {
-  const I none = splat(static_cast<int32_t>(kNoSurface));
-  for (int32_t ty = r.ty0; ty < r.ty1; ++ty) {
-    int32_t* ids = reinterpret_cast<int32_t*>(f.id) + (static_cast<Int64>(ty) * f.tiles_x + r.tx0) * kTilePixels;
-    for (int32_t i = 0; i < (r.tx1 - r.tx0) * kTilePixels; i += kLanes) store(ids + i, none);
-    for (int32_t tx = r.tx0; tx < r.tx1; ++tx) {
-      const Int64 local = static_cast<Int64>(ty - r.ty0) * r.stride + (tx - r.tx0);
-      r.hz[local] = f.clear_z, r.dirty[local] = 1;
-    }
-  }
-  r.counts = {};
-}
-
 /// Empties the region. Pixels that fill up the last tiles get a depth that nothing beats.
 void clear(const Frame& f, Region& r) {
   for (int32_t ty = r.ty0; ty < r.ty1; ++ty) {
@@ -958,5 +944,5 @@ void clear(const Frame& f, Region& r) {
 
 #include "raster/kernel_gaps.inl"
 
-constexpr Kernels kKernels = {kLanes,    project_box,      clear,          clear_layer, draw,
-                              shade_row, shade_layers_row, find_edges_row, smooth_row, find_items_row, find_gaps_row};
+constexpr Kernels kKernels = {kLanes,           project_box,    clear,      draw,           shade_row,
+                              shade_layers_row, find_edges_row, smooth_row, find_items_row, find_gaps_row};

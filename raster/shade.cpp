@@ -125,30 +125,40 @@ void smooth_edges(const VisibilityBuffer& buffer, const ShadeOptions& options, c
   room.strength.resize(size_t(smoothing.stride) * buffer.height_px());
   room.counts.resize(rows * raster_kernel::kStrengths);
   smoothing.strength = room.strength.data(), smoothing.counts = room.counts.data();
-  run_parallel(options.threads, rows, [&](size_t row) {
+  const auto with_room = [&smoothing] {
     thread_local std::vector<int32_t> ids;
     ids.resize(size_t(smoothing.stride) * raster_kernel::kSmoothRows);
     raster_kernel::Smoothing here = smoothing;
     here.room = ids.data();
-    kernels.find_edges(state.frame, here, static_cast<int32_t>(row));
-  });
+    return here;
+  };
+  smoothing.least_difference = std::clamp(options.edge_difference, 1, 255);
+  run_parallel(options.threads, rows,
+               [&](size_t row) { kernels.find_edges(state.frame, with_room(), static_cast<int32_t>(row)); });
   const uint64_t most = std::max<uint64_t>(
       options.least_smoothed_px,
       static_cast<uint64_t>(std::clamp(options.most_smoothed, 0.0F, 1.0F) * static_cast<float>(in.pixels.size())));
-  smoothing.least_difference = threshold_of(room.counts, std::clamp(options.edge_difference, 1, 255), most);
+  smoothing.least_difference = threshold_of(room.counts, smoothing.least_difference, most);
   run_parallel(options.threads, rows,
-               [&](size_t row) { kernels.smooth(state.frame, s, smoothing, static_cast<int32_t>(row)); });
+               [&](size_t row) { kernels.smooth(state.frame, s, with_room(), static_cast<int32_t>(row)); });
 }
 
 void blend_layers(std::span<const VisibilityBuffer* const> layers, const ShadeOptions& options, Image& picture) {
   if (layers.empty()) return;
-  const VisibilityBuffer::State& state = layers[0]->state();
+  const VisibilityBuffer::State& state = layers[0]->state();  // where it has nothing, none has
   const Shading s = shading_of(state, options, picture);
   std::vector<raster_kernel::Layer> planes;
   for (const VisibilityBuffer* layer : layers) planes.push_back({layer->state().z.data(), layer->state().id.data()});
   const raster_kernel::Kernels& kernels = kernels_of(options.simd);
   run_parallel(options.threads, static_cast<size_t>(state.frame.tiles_y), [&](size_t row) {
-    kernels.shade_layers(state.frame, s, planes.data(), static_cast<int32_t>(planes.size()), static_cast<int32_t>(row));
+    const auto ty = static_cast<int32_t>(row);
+    raster_kernel::Layers here = {planes.data(), static_cast<int32_t>(planes.size()), state.frame.tiles_x, 0};
+    for (size_t i = 0; i < state.regions.size(); ++i) {
+      const raster_kernel::Region& r = state.regions[i];
+      if (state.blank[i] == 0 && ty >= r.ty0 && ty < r.ty1)
+        here.tx0 = std::min(here.tx0, r.tx0), here.tx1 = std::max(here.tx1, r.tx1);
+    }
+    if (here.tx0 < here.tx1) kernels.shade_layers(state.frame, s, here, ty);
   });
 }
 
