@@ -182,11 +182,16 @@ constexpr int32_t kSmoothChunk = 16;  ///< pixels that are looked at together, w
 constexpr int32_t kMostTilesAcross = 2048;  ///< kMaxPictureSide / kTile
 constexpr int32_t kStrengths = 256;
 
-/// Edges of the picture `in` smoothed into `out`; both RGBA8, rows of the picture's width. In two passes: how much each
-/// pixel differs from its neighbours, then those that differ enough.
+/// A pixel of the picture and the colour that it is to get.
+struct Smoothed {
+  uint32_t at, color;
+};
+
+/// Edges of the picture `in` smoothed; RGBA8, rows of the picture's width. In two passes: how much each pixel differs
+/// from its neighbours, then those that differ enough. Their colours come last: neighbours want the ones that were.
 struct Smoothing {
   const uint32_t* in;
-  uint32_t* out;
+  Smoothed* smoothed;        ///< smoothing only: room for those of the row whose strength is large enough
   int32_t* room;             ///< for kSmoothRows rows of `stride`, a thread's own
   uint8_t* strength;         ///< rows of `stride`: largest difference of a channel from a neighbour across an edge
   uint32_t* counts;          ///< kStrengths a row of tiles: pixels of each strength above 0

@@ -246,8 +246,10 @@ PROMENADE_INLINE bool write_lanes(const Frame& f, Int64 at, M inside, F z, uint3
   if (bits(not_behind) == 0) return false;
   if constexpr (C == Coverage::probe) return true;
   int32_t* ids = reinterpret_cast<int32_t*>(f.id + at);
-  const I old_id = load(ids), new_id = splat(static_cast<int32_t>(id));
-  M wins = not_behind & ((z > old) | less_unsigned(new_id, old_id));
+  const I new_id = splat(static_cast<int32_t>(id));
+  M wins = inside & (z > old);
+  if (bits(wins) != bits(not_behind))  // some are as near as what is there: else nobody waits for the ids
+    wins = not_behind & ((z > old) | less_unsigned(new_id, load(ids)));
   if constexpr (kMasked) {
     wins = wins & shown_lanes(f, *mask->item, at, z, new_id);
     if (bits(wins) == 0) return false;
@@ -255,7 +257,7 @@ PROMENADE_INLINE bool write_lanes(const Frame& f, Int64 at, M inside, F z, uint3
     if (bits(wins) == 0) return false;
   }
   store(f.z + at, select(wins, z, old));
-  store(ids, select(wins, new_id, old_id));
+  store_chosen(ids, wins, new_id);
   return true;
 }
 
@@ -401,9 +403,13 @@ float nearest_in_tile(const Frame& f, const Plane& plane, int32_t tx, int32_t ty
   const int32_t px = tx * kTile + (plane.gx > 0 ? kTile - 1 : 0), py = ty * kTile + (plane.gy > 0 ? kTile - 1 : 0);
   const float x = static_cast<float>(px * kSubpixel + kSubpixel / 2 - f.axis_x);
   const float y = static_cast<float>(py * kSubpixel + kSubpixel / 2 - f.axis_y);
-  float lanes[kLanes];
-  store(lanes, depth_at<C>(plane, splat(x), splat(y)));
-  return lanes[0];
+  float z = plane.gx * (x - plane.x0) + (plane.gy * (y - plane.y0) + plane.z0);  // as depth_at
+  if constexpr (C != Coverage::center) {
+    const float reach =
+        (abs_of(plane.gx) + abs_of(plane.gy)) * static_cast<float>(kPixelReach) + abs_of(plane.z_max) * 1e-6F;
+    z = is_outer(C) ? z + reach : z - reach;
+  }
+  return min_of(max_of(z, plane.z_min), plane.z_max);
 }
 
 /// A triangle of positive area, any size within the guard band.

@@ -54,8 +54,7 @@ PROMENADE_INLINE bool is_empty(const uint32_t* id) {
 
 void shade_layers_row(const Frame& f, const Shading& s, const Layers& of, int32_t ty) {
   const Layer* layers = of.layers;
-  ShadeRoom room;
-  __builtin_memset(&room, 0, sizeof room);
+  ShadeRoom& room = shade_room();
   for (int32_t tx = of.tx0; tx < of.tx1; ++tx) {
     const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
     if (is_empty(layers[0].id + tile)) continue;  // then the layers behind it are empty, too

@@ -205,8 +205,8 @@ PROMENADE_INLINE float first_center(int32_t tile, int32_t axis) {
 /// The finished colours of those of kLanes triangles that have one colour and no texture.
 PROMENADE_INLINE void pack_flat_colors(SpanTriangles& t, int32_t first) {
   const F color[3] = {load(t.color[0][0] + first), load(t.color[0][1] + first), load(t.color[0][2] + first)};
-  const M flat = mask_of(static_cast<uint32_t>(t.flat >> first) & ((1U << kLanes) - 1U)) &
-                 (load(t.texture + first) < splat(0.0F));
+  const M flat =
+      mask_of(static_cast<uint32_t>(t.flat >> first) & ((1U << kLanes) - 1U)) & (load(t.texture + first) < splat(0.0F));
   store(t.packed + first, as_float(select(flat, packed_srgb(color), splat(0))));
 }
 
@@ -319,8 +319,7 @@ PROMENADE_INLINE void color_lanes(const Frame& f, const SpanTriangles& t, const 
   const F w = t.varying ? distance_of(f, pixels, first, covered) : splat(1.0F);
   for (int c = 0; c < 3; ++c) {
     color[c] = of(fn.a[slot_r + 3 * c]);
-    if (t.varying)
-      color[c] = (color[c] + (of(fn.a[slot_rx + 3 * c]) * at.dx + of(fn.a[slot_ry + 3 * c]) * at.dy)) * w;
+    if (t.varying) color[c] = (color[c] + (of(fn.a[slot_rx + 3 * c]) * at.dx + of(fn.a[slot_ry + 3 * c]) * at.dy)) * w;
     if (t.surface_count > 0) color[c] = color[c] * load(room.sum.color[c] + first);
   }
 }
@@ -332,6 +331,12 @@ struct ShadeRoom {
   SpanFunctions functions;
   TextureRoom textures;
 };
+
+/// A thread's own, kept: 30 KiB are not to be cleared for each row.
+PROMENADE_INLINE ShadeRoom& shade_room() {
+  static thread_local ShadeRoom room;
+  return room;
+}
 
 /// Linear colours of a tile's covered pixels.
 template <class Of>
@@ -432,8 +437,7 @@ void shade_span(const Frame& f, const Shading& s, const Span& span, int32_t ty, 
 void shade_row(const Frame& f, const Shading& s, int32_t ty) {
   constexpr int32_t kAhead = 3;
   Span spans[kAhead];
-  ShadeRoom room;
-  __builtin_memset(&room, 0, sizeof room);
+  ShadeRoom& room = shade_room();
   int32_t found = 0, done = 0;
   for (int32_t next = 0; done < found || next < f.tiles_x;) {
     if (next < f.tiles_x) {

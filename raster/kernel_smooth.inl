@@ -26,6 +26,10 @@ constexpr Places places_in_pixel() {
 }
 constexpr Places kPlacesInPixel = places_in_pixel();
 
+/// Three corners' or four functions' numbers side by side.
+using Four = float __attribute__((vector_size(16)));
+PROMENADE_INLINE Four four_of(float a) { return Four{a, a, a, a}; }
+
 /// A triangle over the picture near one of its pixels: its barycentric coordinates over w (all >= 0 inside) and, last,
 /// its depth, as functions of pixels from (x, y), which lies in sub-pixels from the axis.
 struct EdgeTriangle {
@@ -33,21 +37,32 @@ struct EdgeTriangle {
   bool usable = false;  ///< false: what it covers cannot be told from its corners
   int32_t px = 0;       ///< the pixel about which it was set up
   float x = 0, y = 0;
-  float at[4] = {}, dx[4] = {}, dy[4] = {};
+  Four at = {}, dx = {}, dy = {};
   bool holes = false;
 };
 
+/// Corners in the view; the fourth lane is the third once more.
+struct ViewCorners {
+  Four x, y, w;
+};
+
 /// The corners as seen from the pixel, so that little triangles keep their precision wherever they lie; sets w.
-PROMENADE_INLINE void corners_about(const Frame& f, const Item& item, uint32_t triangle, float x, float y, ViewPoint* p,
-                                    float* depth) {
-  for (int i = 0; i < 3; ++i) {
-    float at[3];
-    position_of(item, vertex_of(item, 3 * static_cast<uint64_t>(triangle) + static_cast<uint64_t>(i)), at);
-    p[i] = view_point(item, at[0], at[1], at[2]);
-    depth[i] = f.orthographic ? -p[i].w : 1.0F;
-    if (f.orthographic) p[i].w = 1.0F;
-    p[i].x = p[i].x - x * p[i].w, p[i].y = p[i].y - y * p[i].w;
+PROMENADE_INLINE ViewCorners corners_about(const Frame& f, const Item& item, uint32_t triangle, float x, float y,
+                                           Four& depth) {
+  uint32_t place[3];
+  for (uint64_t i = 0; i < 3; ++i) place[i] = *vertex_of(item, 3 * static_cast<uint64_t>(triangle) + i);
+  const float* positions[3] = {item.x, item.y, item.z};
+  Four d[3];
+  for (int k = 0; k < 3; ++k) {
+    const float* p = positions[k];
+    d[k] = (Four{p[place[0]], p[place[1]], p[place[2]], p[place[2]]} - item.eye_hi[k]) - item.eye_lo[k];
   }
+  const auto row = [&](int r) { return (item.rows[r][0] * d[0] + item.rows[r][1] * d[1]) + item.rows[r][2] * d[2]; };
+  ViewCorners c = {row(0), row(1), row(2)};
+  depth = f.orthographic ? -c.w : four_of(1.0F);
+  if (f.orthographic) c.w = four_of(1.0F);
+  c.x = c.x - x * c.w, c.y = c.y - y * c.w;
+  return c;
 }
 
 /// mask: set only if the triangle has holes.
@@ -63,23 +78,23 @@ void set_up_edge_triangle(const Frame& f, const Shading& s, uint32_t id, int32_t
     set_up_mask(f, item, triangle, mask);
     e.holes = true;
   }
-  ViewPoint p[3];
-  float depth[3], n[3][3];
-  corners_about(f, item, triangle, x, y, p, depth);
-  for (int i = 0; i < 3; ++i) {
-    const ViewPoint &q = p[i == 2 ? 0 : i + 1], &r = p[i == 0 ? 2 : i - 1];
-    n[i][0] = q.y * r.w - q.w * r.y, n[i][1] = q.w * r.x - q.x * r.w, n[i][2] = q.x * r.y - q.y * r.x;
-  }
-  const float det = (p[0].x * n[0][0] + p[0].y * n[0][1]) + p[0].w * n[0][2];
+  Four depth;
+  const ViewCorners p = corners_about(f, item, triangle, x, y, depth);
+  const auto next = [](Four v) { return __builtin_shufflevector(v, v, 1, 2, 0, 0); };
+  const auto last = [](Four v) { return __builtin_shufflevector(v, v, 2, 0, 1, 1); };
+  const ViewCorners q = {next(p.x), next(p.y), next(p.w)}, r = {last(p.x), last(p.y), last(p.w)};
+  const Four nx = q.y * r.w - q.w * r.y, ny = q.w * r.x - q.x * r.w, nw = q.x * r.y - q.y * r.x;
+  const float det = (p.x[0] * nx[0] + p.y[0] * ny[0]) + p.w[0] * nw[0];
   const float inverse = 1.0F / det;
   if (!(abs_of(det) > 0) || !(abs_of(inverse) < kFloatMax)) return;
-  e.at[3] = 0, e.dx[3] = 0, e.dy[3] = 0;
-  for (int i = 0; i < 3; ++i) {
-    e.at[i] = n[i][2] * inverse;
-    e.dx[i] = n[i][0] * inverse * static_cast<float>(kSubpixel),
-    e.dy[i] = n[i][1] * inverse * static_cast<float>(kSubpixel);
-    e.at[3] += depth[i] * e.at[i], e.dx[3] += depth[i] * e.dx[i], e.dy[3] += depth[i] * e.dy[i];
-  }
+  const auto with_depth = [&](Four v) {
+    const Four of = depth * v;
+    v[3] = (of[0] + of[1]) + of[2];
+    return v;
+  };
+  const float pixel = static_cast<float>(kSubpixel);
+  e.at = with_depth(nw * inverse);
+  e.dx = with_depth(nx * inverse * pixel), e.dy = with_depth(ny * inverse * pixel);
   e.usable = true;
 }
 
@@ -121,8 +136,9 @@ PixelFunction opacity_across(const MaskTriangle& m, const PixelFunction& z, floa
 PROMENADE_INLINE uint32_t take_places(const Frame& f, const EdgeTriangle& e, const MaskTriangle& mask, float x, float y,
                                       float* z) {
   const float across = (x - e.x) * (1.0F / kSubpixel), down = (y - e.y) * (1.0F / kSubpixel);
+  const Four at = e.at + (e.dx * across + e.dy * down);
   PixelFunction fn[4];
-  for (int i = 0; i < 4; ++i) fn[i] = {e.at[i] + (e.dx[i] * across + e.dy[i] * down), e.dx[i], e.dy[i]};
+  for (int i = 0; i < 4; ++i) fn[i] = {at[i], e.dx[i], e.dy[i]};
   PixelFunction solid = {1, 0, 0};
   if (e.holes) solid = opacity_across(mask, fn[3], x, y);
   const F zero = splat(0.0F), nearest = splat(f.orthographic ? -f.near_m : 1.0F / f.near_m);
@@ -156,16 +172,30 @@ PROMENADE_INLINE int neighbour_of_place(const Five& five, int i) {
 }
 
 int32_t mean_color(const Shading& s, const Five& five, const int* places) {
-  float linear[kLanes] = {};
+  Four linear = {};
   for (int k = 0; k < 5; ++k) {
     if (places[k] == 0) continue;
     const uint32_t color = static_cast<uint32_t>(five.color[k]);
     const float share = static_cast<float>(places[k]) * (1.0F / kPlaces);
-    for (int c = 0; c < 3; ++c) linear[c] += share * s.linear_of_srgb[color >> (8 * c) & 255U];
+    linear = linear + share * Four{s.linear_of_srgb[color & 255U], s.linear_of_srgb[color >> 8 & 255U],
+                                   s.linear_of_srgb[color >> 16 & 255U], 0.0F};
   }
+  float lanes[kLanes] = {};
+  __builtin_memcpy(lanes, &linear, sizeof linear);
   int32_t bytes[kLanes];
-  store(bytes, to_srgb(load(linear)));
+  store(bytes, to_srgb(load(lanes)));
   return static_cast<int32_t>(0xff000000U) | bytes[2] << 16 | bytes[1] << 8 | bytes[0];
+}
+
+/// Which of the five show a triangle that none before them shows; bits.
+PROMENADE_INLINE uint32_t distinct_among(const uint32_t* id) {
+  uint32_t found = 0;
+  for (int k = 0; k < 5; ++k) {
+    bool fresh = id[k] != kNoSurface;
+    for (int j = 0; j < k; ++j) fresh = fresh & (id[j] != id[k]);
+    found |= (fresh ? 1U : 0U) << k;
+  }
+  return found;
 }
 
 int32_t smoothed_pixel(const Frame& f, const Shading& s, EdgeTriangles& triangles, const Five& five, int32_t px,
@@ -175,10 +205,8 @@ int32_t smoothed_pixel(const Frame& f, const Shading& s, EdgeTriangles& triangle
   const float x = static_cast<float>(px * kSubpixel + kSubpixel / 2 - f.axis_x),
               y = static_cast<float>(py * kSubpixel + kSubpixel / 2 - f.axis_y);
   uint32_t owned[5] = {}, all = 0;
-  for (int k = 0; k < 5; ++k) {
-    bool known = five.id[k] == kNoSurface;
-    for (int j = 0; j < k; ++j) known |= five.id[j] == five.id[k];
-    if (known) continue;
+  for (uint32_t left = distinct_among(five.id); left != 0; left &= left - 1) {
+    const int k = __builtin_ctz(left);
     const uint32_t slot = triangles.at(f, s, five.id[k], px, x, y);
     const EdgeTriangle& e = triangles.slots[slot];
     if (!e.usable) {
@@ -186,7 +214,7 @@ int32_t smoothed_pixel(const Frame& f, const Shading& s, EdgeTriangles& triangle
       continue;
     }
     const uint32_t taken = take_places(f, e, triangles.masks[slot], x, y, z);
-    for (int j = 0; j < k; ++j) owned[j] &= ~taken;
+    for (uint32_t& o : owned) o &= ~taken;
     owned[k] = taken, all |= taken;
   }
   if (owned[0] == kAllPlaces) return five.color[0];
@@ -203,7 +231,6 @@ int32_t smoothed_pixel(const Frame& f, const Shading& s, EdgeTriangles& triangle
 /// Four ids, and what four pixels that lie together show.
 using FourIds = int32_t __attribute__((vector_size(16)));
 PROMENADE_INLINE FourIds shown_ids(const Frame& f, Int64 at) {
-  using Four = float __attribute__((vector_size(16)));
   Four z;
   FourIds ids;
   __builtin_memcpy(&z, f.z + at, sizeof z), __builtin_memcpy(&ids, f.id + at, sizeof ids);
@@ -243,7 +270,8 @@ class IdRows {
     const Int64 above = ty_ > 0 ? tile - row + 44 : tile;
     const Int64 last = tile + ((rows - 1) & 4) * 8 + ((rows - 1) & 3) * 4;
     const Int64 below = (ty_ + 1) * kTile < f_.height ? tile + row : last;
-    for (int half = 0; half < 2; ++half) put(tx, 0, half, above + 16 * half), put(tx, rows + 1, half, below + 16 * half);
+    for (int half = 0; half < 2; ++half)
+      put(tx, 0, half, above + 16 * half), put(tx, rows + 1, half, below + 16 * half);
   }
   PROMENADE_INLINE void put(int32_t tx, int32_t row, int half, Int64 from) {
     const FourIds ids = shown_ids(f_, from);
@@ -268,8 +296,9 @@ struct Rows {
 };
 
 /// How much each of kSmoothChunk pixels from x on differs from those of its neighbours that show other triangles; 0: by
-/// less than `least`, or it is no edge. An edge's pixel shows the sky or a triangle that two of its neighbours show, too: where every pixel has
-/// a triangle of its own there is none to find, and it would cost the most. Returns which do not have 0.
+/// less than `least`, or it is no edge. An edge's pixel shows the sky or a triangle that two of its neighbours show,
+/// too: where every pixel has a triangle of its own there is none to find, and it would cost the most. Returns which do
+/// not have 0.
 PROMENADE_INLINE uint32_t edges_among(const Rows& id, const Rows& color, int32_t x, int32_t least, int32_t* strength) {
   const I none = splat(0), one = splat(1);
   uint32_t found = 0;
@@ -312,8 +341,8 @@ struct ColorChunk {
   }
 };
 
-/// Which of a chunk's rows hold a pixel that differs from a neighbour by at least `least` in some channel, whatever they
-/// show: most of a picture does not, and needs no second look.
+/// Which of a chunk's rows hold a pixel that differs from a neighbour by at least `least` in some channel, whatever
+/// they show: most of a picture does not, and needs no second look.
 PROMENADE_INLINE uint32_t rows_with_differences(const ColorChunk& colors, int32_t rows, int32_t x, int32_t least) {
   const I most = splat(static_cast<int32_t>(0xff000000U | static_cast<uint32_t>(least - 1) * 0x10101U));
   constexpr uint32_t kAll = (1U << kLanes) - 1U;
@@ -417,14 +446,15 @@ struct WaitingPixels {
     for (int i = 0; i < found; ++i) ask_for_positions(item_of(i), wanted[i]);
   }
 
-  void smooth(const Frame& f, const Shading& s, uint32_t* out, EdgeTriangles& triangles) {
+  Smoothed* smooth(const Frame& f, const Shading& s, EdgeTriangles& triangles, Smoothed* to) {
     ask_for_wanted(s, find_wanted(triangles));
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < count; ++i, ++to) {
       const Pixel& p = pixels[i];
-      out[static_cast<Int64>(p.y) * f.width + p.x] =
-          static_cast<uint32_t>(smoothed_pixel(f, s, triangles, p.five, p.x, p.y));
+      *to = {static_cast<uint32_t>(p.y * f.width + p.x),
+             static_cast<uint32_t>(smoothed_pixel(f, s, triangles, p.five, p.x, p.y))};
     }
     count = 0;
+    return to;
   }
 };
 
@@ -433,9 +463,7 @@ void smooth_row(const Frame& f, const Shading& s, const Smoothing& smoothing, in
   WaitingPixels waiting;
   IdRows ids(f, smoothing, ty);
   const int32_t y = ty * kTile, rows = min_of(kTile, f.height - y);
-  const Int64 first = static_cast<Int64>(y) * f.width;
-  __builtin_memcpy(smoothing.out + first, smoothing.in + first,
-                   static_cast<uint64_t>(f.width) * static_cast<uint64_t>(rows) * 4);
+  Smoothed* to = smoothing.smoothed;
   // Column by column, so that the rows of a triangle find it among those met last; in the same order on all
   // processors, because a triangle's functions depend a little on the pixel that asked for them first.
   for (int32_t x = 0; x < f.width; x += kSmoothChunk) {
@@ -447,9 +475,9 @@ void smooth_row(const Frame& f, const Shading& s, const Smoothing& smoothing, in
       for (; edges != 0; edges &= edges - 1) {
         const int32_t px = x + __builtin_ctz(edges);
         waiting.pixels[waiting.count++] = {px, y + i, five_at(f, smoothing.in, ids, i, px, y + i)};
-        if (waiting.count == WaitingPixels::kMost) waiting.smooth(f, s, smoothing.out, triangles);
+        if (waiting.count == WaitingPixels::kMost) to = waiting.smooth(f, s, triangles, to);
       }
     }
   }
-  waiting.smooth(f, s, smoothing.out, triangles);
+  waiting.smooth(f, s, triangles, to);
 }
