@@ -417,7 +417,7 @@ PROMENADE_INLINE Five five_at(const Frame& f, const uint32_t* in, const IdRows& 
 
 /// Pixels that are about to be smoothed, so that memory is asked for all of their triangles at once.
 struct WaitingPixels {
-  static constexpr int kMost = 64;
+  static constexpr int kMost = 256;
   struct Pixel {
     int32_t x, y;
     Five five;

@@ -123,11 +123,12 @@ PROMENADE_INLINE void ask_for_vertices(const Item& item, uint32_t id) {
   if (item.vertices == nullptr) return;
   for (uint64_t i = 0; i < 3; ++i) ask_for(vertex_of(item, 3 * static_cast<uint64_t>(id - item.first_id) + i));
 }
-/// A triangle's corners lie in one block.
 PROMENADE_INLINE void ask_for_positions(const Item& item, uint32_t id) {
   if (item.vertices == nullptr) return;
-  const uint32_t place = *vertex_of(item, 3 * static_cast<uint64_t>(id - item.first_id));
-  ask_for(item.x + place), ask_for(item.y + place), ask_for(item.z + place);
+  for (uint64_t i = 0; i < 3; ++i) {
+    const uint32_t place = *vertex_of(item, 3 * static_cast<uint64_t>(id - item.first_id) + i);
+    ask_for(item.x + place), ask_for(item.y + place), ask_for(item.z + place);
+  }
 }
 
 /// Ask for what fetch_triangle will read of all triangles at once, because they lie anywhere in memory: first for their

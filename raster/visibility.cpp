@@ -261,22 +261,54 @@ void size_planes(VisibilityBuffer::State& s, unsigned threads) {
 
 raster_kernel::Coverage coverage_of(PixelRule rule) { return static_cast<raster_kernel::Coverage>(rule); }
 
-/// Lets a region of a layer begin behind nothing and before the solid surfaces. False: it is `empty`, and no depths are
-/// brought.
-bool begin_layer(VisibilityBuffer::State& s, const VisibilityBuffer::State& solid, size_t region, bool empty) {
-  Region& r = s.regions[region];
-  r.counts = {};
-  for (int32_t ty = r.ty0; ty < r.ty1; ++ty) {
-    const size_t row = size_t(ty - r.ty0) * size_t(r.stride);
-    const size_t first = (size_t(ty) * size_t(s.frame.tiles_x) + size_t(r.tx0)) * raster_kernel::kTilePixels;
-    const size_t pixels = size_t(r.tx1 - r.tx0) * raster_kernel::kTilePixels;
-    std::fill_n(r.hz + row, r.stride, s.frame.clear_z);
-    std::fill_n(r.dirty + row, r.stride, uint8_t(empty ? 0 : 1));
-    if (s.blank[region] == 0) std::fill_n(&s.id[first], pixels, raster_kernel::kNoSurface);
-    if (!empty) std::copy_n(&solid.z[first], pixels, &s.z[first]);
+/// The part of a region that the boxes lie in; none of it: tx0 >= tx1.
+Region part_of(const Region& r, std::span<const Seen> seen) {
+  Region part = r;
+  part.tx0 = r.tx1, part.ty0 = r.ty1, part.tx1 = r.tx0, part.ty1 = r.ty0;
+  for (const Seen& one : seen) {
+    if (!overlaps(r, one.box)) continue;
+    part.tx0 = std::min(part.tx0, std::max(r.tx0, one.box.x0 / kTile));
+    part.ty0 = std::min(part.ty0, std::max(r.ty0, one.box.y0 / kTile));
+    part.tx1 = std::max(part.tx1, std::min(r.tx1, one.box.x1 / kTile + 1));
+    part.ty1 = std::max(part.ty1, std::min(r.ty1, one.box.y1 / kTile + 1));
   }
+  return part;
+}
+
+/// Lets a region of a layer begin behind nothing and, in its `part`, before the solid surfaces.
+void begin_layer(VisibilityBuffer::State& s, const VisibilityBuffer::State& solid, size_t region, const Region& part) {
+  const Region& r = s.regions[region];
+  const auto place = [&s](int32_t tx, int32_t ty) {
+    return (size_t(ty) * size_t(s.frame.tiles_x) + size_t(tx)) * raster_kernel::kTilePixels;
+  };
+  const auto pixels = [](const Region& of) { return size_t(of.tx1 - of.tx0) * raster_kernel::kTilePixels; };
+  const size_t tiles = size_t(r.stride) * size_t(r.ty1 - r.ty0);
+  std::fill_n(r.hz, tiles, s.frame.clear_z);
+  std::fill_n(r.dirty, tiles, uint8_t(1));  // what is farthest is found where it is asked for
+  if (s.blank[region] == 0)
+    for (int32_t ty = r.ty0; ty < r.ty1; ++ty)
+      std::fill_n(&s.id[place(r.tx0, ty)], pixels(r), raster_kernel::kNoSurface);
   s.blank[region] = 1;
-  return !empty;
+  if (part.tx0 >= part.tx1) return;
+  for (int32_t ty = part.ty0; ty < part.ty1; ++ty)
+    std::copy_n(&solid.z[place(part.tx0, ty)], pixels(part), &s.z[place(part.tx0, ty)]);
+}
+
+/// Draws a layer's region; what lies behind a layer that is empty there is empty, too.
+void draw_layer_region(VisibilityBuffer::State& s, const VisibilityBuffer::State& solid,
+                       const VisibilityBuffer::State* before, const Kernels& kernels, std::span<const Seen> seen,
+                       size_t region, const VisibilityOptions& options) {
+  Region& r = s.regions[region];
+  const bool behind_nothing =
+      before != nullptr && before->regions.size() == s.regions.size() && before->blank[region] != 0;
+  Region part = part_of(r, behind_nothing ? std::span<const Seen>() : seen);
+  part.counts = {};
+  begin_layer(s, solid, region, part);
+  if (part.tx0 < part.tx1)
+    for (const Seen& one : seen)
+      if (overlaps(part, one.box)) kernels.draw(s.frame, s.items[one.item], one.box, part, coverage_of(options.rule));
+  r.counts = part.counts;
+  s.blank[region] = part.counts.triangles_drawn == 0 ? 1 : 0;
 }
 
 }  // namespace
@@ -392,18 +424,12 @@ Status VisibilityBuffer::draw_over(const RasterView& view, const State* solid, c
 
   const Clock::time_point drawing = Clock::now();
   run_parallel(options.threads, s.regions.size(), [&](size_t i) {
+    if (solid != nullptr) return draw_layer_region(s, *solid, before, kernels, seen, i, options);
     Region& r = s.regions[i];
-    if (solid == nullptr) {
-      kernels.clear(s.frame, r);
-    } else {
-      // What lies behind a layer that is empty here is empty, too.
-      const bool empty = (before != nullptr && before->regions.size() == s.regions.size() && before->blank[i] != 0) ||
-                         std::none_of(seen.begin(), seen.end(), [&r](const Seen& one) { return overlaps(r, one.box); });
-      if (!begin_layer(s, *solid, i, empty)) return;
-    }
+    kernels.clear(s.frame, r);
     for (const Seen& one : seen)
       if (overlaps(r, one.box)) kernels.draw(s.frame, s.items[one.item], one.box, r, coverage_of(options.rule));
-    s.blank[i] = solid != nullptr && r.counts.triangles_drawn == 0 ? 1 : 0;
+    s.blank[i] = 0;
   });
   for (const Region& r : s.regions) add(s.stats, r.counts);
   s.kernels = &kernels;
