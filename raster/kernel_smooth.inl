@@ -260,8 +260,19 @@ class IdRows {
   }
 
  private:
+  /// Has memory bring what a tile a little farther on will want: no processor foresees the rows above and below.
+  PROMENADE_INLINE void look_ahead(int32_t tx) const {
+    if (tx >= f_.tiles_x) return;
+    const Int64 row = static_cast<Int64>(f_.tiles_x) * kTilePixels;
+    const Int64 tile = static_cast<Int64>(ty_) * row + static_cast<Int64>(tx) * kTilePixels;
+    const auto line = [this](Int64 at) { __builtin_prefetch(f_.z + at), __builtin_prefetch(f_.id + at); };
+    for (int i = 0; i < kTilePixels; i += 16) line(tile + i);
+    if (ty_ > 0) line(tile - row + 32), line(tile - row + 48);
+    if (ty_ + 1 < f_.tiles_y) line(tile + row), line(tile + row + 16);
+  }
   void lay_out(int32_t tx) {
     done_[tx >> 6] |= uint64_t(1) << (tx & 63);
+    look_ahead(tx + kTilesAhead);
     const Int64 tile = (static_cast<Int64>(ty_) * f_.tiles_x + tx) * kTilePixels;
     for (int q = 0; q < kTilePixels / 4; ++q) put(tx, (q >> 3) * 4 + (q & 3) + 1, q >> 2 & 1, tile + 4 * q);
     // The last row of the tile above, the first one of that below.
@@ -278,6 +289,7 @@ class IdRows {
     __builtin_memcpy(rows_[row] + tx * kTile + 4 * half, &ids, sizeof ids);
   }
 
+  static constexpr int32_t kTilesAhead = 6;
   const Frame& f_;
   int32_t ty_;
   int32_t* rows_[kSmoothRows];
@@ -371,8 +383,12 @@ void find_edges_row(const Frame& f, const Smoothing& smoothing, int32_t ty) {
   uint8_t* strengths = smoothing.strength + static_cast<Int64>(y) * smoothing.stride;
   __builtin_memset(strengths, 0, static_cast<uint64_t>(rows) * static_cast<uint64_t>(smoothing.stride));
   ColorChunk colors;
+  constexpr int32_t kAhead = 6 * kSmoothChunk;
   for (int32_t x = 0; x < f.width; x += kSmoothChunk) {
     colors.look_at(f, smoothing.in, x, y);
+    for (int32_t i = 0; i < rows + 2 && x + kAhead < f.width; ++i)
+      __builtin_prefetch(smoothing.in + static_cast<Int64>(max_of(0, min_of(y + i - 1, f.height - 1))) * f.width + x +
+                         kAhead);
     uint32_t to_do = rows_with_differences(colors, rows, x, least);
     if (to_do != 0) ids.ask_for(x);
     for (; to_do != 0; to_do &= to_do - 1) {

@@ -55,6 +55,9 @@ bool add_tile(const Frame& f, const float* z, const uint32_t* id, Span& span) {
   if (span.tiles == kSpanTiles) return false;
   const int32_t before = span.count;
   const int32_t* ids = reinterpret_cast<const int32_t*>(id);
+  constexpr int32_t kPixelsAhead = 6 * kTilePixels;
+  for (int32_t i = 0; i < kTilePixels; i += 16)
+    __builtin_prefetch(z + kPixelsAhead + i), __builtin_prefetch(id + kPixelsAhead + i);
   int32_t* which = span.which[span.tiles];
   constexpr uint32_t kAll = (1U << kLanes) - 1U;
   const I first = splat(ids[0]), none = splat(static_cast<int32_t>(kNoSurface));
