@@ -122,7 +122,8 @@ struct Frame {
   bool draw_blended;  ///< what is
   bool screen_door;   ///< what is seen through takes its share of the pixels; otherwise all of them: a layer
 
-  // Layers of what is seen through: only what lies behind this picture; null: no matter where.
+  // Layers of what is seen through: only what lies behind this picture, nothing where it has no id; null: no matter
+  // where.
   const float* before_z;
   const uint32_t* before_id;
 };
@@ -168,21 +169,34 @@ struct Layer {
   const uint32_t* id;
 };
 
+/// Layers, the nearest first, where the tiles from tx0 to tx1 - 1 of a row may show something of them.
+struct Layers {
+  const Layer* layers;
+  int32_t count;
+  int32_t tx0, tx1;
+};
+
 constexpr int32_t kSmoothRows = 10, kSmoothPadding = 48;
 constexpr int32_t kSmoothChunk = 16;  ///< pixels that are looked at together, whatever the processor
 
+constexpr int32_t kMostTilesAcross = 2048;  ///< kMaxPictureSide / kTile
 constexpr int32_t kStrengths = 256;
 
-/// Edges of the picture `in` smoothed into `out`; both RGBA8, rows of the picture's width. In two passes: how much each
-/// pixel differs from its neighbours, then those that differ enough.
+/// A pixel of the picture and the colour that it is to get.
+struct Smoothed {
+  uint32_t at, color;
+};
+
+/// Edges of the picture `in` smoothed; RGBA8, rows of the picture's width. In two passes: how much each pixel differs
+/// from its neighbours, then those that differ enough. Their colours come last: neighbours want the ones that were.
 struct Smoothing {
   const uint32_t* in;
-  uint32_t* out;
-  int32_t* room;             ///< for kSmoothRows rows of `stride`; finding only
+  Smoothed* smoothed;        ///< smoothing only: room for those of the row whose strength is large enough
+  int32_t* room;             ///< for kSmoothRows rows of `stride`, a thread's own
   uint8_t* strength;         ///< rows of `stride`: largest difference of a channel from a neighbour across an edge
   uint32_t* counts;          ///< kStrengths a row of tiles: pixels of each strength above 0
   int32_t stride;            ///< at least the picture's width and kSmoothPadding
-  int32_t least_difference;  ///< strength of the pixels to be smoothed
+  int32_t least_difference;  ///< finding: lesser strengths count as 0; smoothing: strength of the pixels to be smoothed
 };
 
 constexpr int32_t kGapReach = 2;          ///< pixels from a gap's to those that lie beside it
@@ -210,11 +224,10 @@ struct Kernels {
   int lanes;
   BoxPicture (*project_box)(const Frame&, const Item&, const float* center, const float* half);
   void (*clear)(const Frame&, Region&);
-  void (*clear_layer)(const Frame&, Region&);
   void (*draw)(const Frame&, const Item&, const BoxPicture& item_box, Region&, Coverage);
   void (*shade)(const Frame&, const Shading&, int32_t tile_row);
-  /// Blends layers, the nearest first, over the picture that shade left.
-  void (*shade_layers)(const Frame&, const Shading&, const Layer*, int32_t count, int32_t tile_row);
+  /// Blends layers, the nearest first, over the picture that shade left; nothing is seen through beside those tiles.
+  void (*shade_layers)(const Frame&, const Shading&, const Layers&, int32_t tile_row);
   void (*find_edges)(const Frame&, const Smoothing&, int32_t tile_row);
   void (*smooth)(const Frame&, const Shading&, const Smoothing&, int32_t tile_row);
   /// What the tiles of a row show.

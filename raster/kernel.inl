@@ -246,8 +246,10 @@ PROMENADE_INLINE bool write_lanes(const Frame& f, Int64 at, M inside, F z, uint3
   if (bits(not_behind) == 0) return false;
   if constexpr (C == Coverage::probe) return true;
   int32_t* ids = reinterpret_cast<int32_t*>(f.id + at);
-  const I old_id = load(ids), new_id = splat(static_cast<int32_t>(id));
-  M wins = not_behind & ((z > old) | less_unsigned(new_id, old_id));
+  const I new_id = splat(static_cast<int32_t>(id));
+  M wins = inside & (z > old);
+  if (bits(wins) != bits(not_behind))  // some are as near as what is there: else nobody waits for the ids
+    wins = not_behind & ((z > old) | less_unsigned(new_id, load(ids)));
   if constexpr (kMasked) {
     wins = wins & shown_lanes(f, *mask->item, at, z, new_id);
     if (bits(wins) == 0) return false;
@@ -255,7 +257,7 @@ PROMENADE_INLINE bool write_lanes(const Frame& f, Int64 at, M inside, F z, uint3
     if (bits(wins) == 0) return false;
   }
   store(f.z + at, select(wins, z, old));
-  store(ids, select(wins, new_id, old_id));
+  store_chosen(ids, wins, new_id);
   return true;
 }
 
@@ -401,9 +403,13 @@ float nearest_in_tile(const Frame& f, const Plane& plane, int32_t tx, int32_t ty
   const int32_t px = tx * kTile + (plane.gx > 0 ? kTile - 1 : 0), py = ty * kTile + (plane.gy > 0 ? kTile - 1 : 0);
   const float x = static_cast<float>(px * kSubpixel + kSubpixel / 2 - f.axis_x);
   const float y = static_cast<float>(py * kSubpixel + kSubpixel / 2 - f.axis_y);
-  float lanes[kLanes];
-  store(lanes, depth_at<C>(plane, splat(x), splat(y)));
-  return lanes[0];
+  float z = plane.gx * (x - plane.x0) + (plane.gy * (y - plane.y0) + plane.z0);  // as depth_at
+  if constexpr (C != Coverage::center) {
+    const float reach =
+        (abs_of(plane.gx) + abs_of(plane.gy)) * static_cast<float>(kPixelReach) + abs_of(plane.z_max) * 1e-6F;
+    z = is_outer(C) ? z + reach : z - reach;
+  }
+  return min_of(max_of(z, plane.z_min), plane.z_max);
 }
 
 /// A triangle of positive area, any size within the guard band.
@@ -918,20 +924,6 @@ void draw(const Frame& f, const Item& item, const BoxPicture& item_box, Region& 
   }
 }
 
-/// Lets a layer of what is seen through begin behind nothing and before the solid surfaces, whose depths are there.
-void clear_layer(const Frame& f, Region& r) {
-  const I none = splat(static_cast<int32_t>(kNoSurface));
-  for (int32_t ty = r.ty0; ty < r.ty1; ++ty) {
-    int32_t* ids = reinterpret_cast<int32_t*>(f.id) + (static_cast<Int64>(ty) * f.tiles_x + r.tx0) * kTilePixels;
-    for (int32_t i = 0; i < (r.tx1 - r.tx0) * kTilePixels; i += kLanes) store(ids + i, none);
-    for (int32_t tx = r.tx0; tx < r.tx1; ++tx) {
-      const Int64 local = static_cast<Int64>(ty - r.ty0) * r.stride + (tx - r.tx0);
-      r.hz[local] = f.clear_z, r.dirty[local] = 1;
-    }
-  }
-  r.counts = {};
-}
-
 /// Empties the region. Pixels that fill up the last tiles get a depth that nothing beats.
 void clear(const Frame& f, Region& r) {
   for (int32_t ty = r.ty0; ty < r.ty1; ++ty) {
@@ -958,5 +950,5 @@ void clear(const Frame& f, Region& r) {
 
 #include "raster/kernel_gaps.inl"
 
-constexpr Kernels kKernels = {kLanes,    project_box,      clear,          clear_layer, draw,
-                              shade_row, shade_layers_row, find_edges_row, smooth_row, find_items_row, find_gaps_row};
+constexpr Kernels kKernels = {kLanes,           project_box,    clear,      draw,           shade_row,
+                              shade_layers_row, find_edges_row, smooth_row, find_items_row, find_gaps_row};

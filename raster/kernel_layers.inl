@@ -24,6 +24,7 @@ void find_opacities(const Frame& f, const Shading& s, const Span& span, const in
 
 void blend_layer(const Frame& f, const Shading& s, const Layer& layer, int32_t tx, int32_t ty, ShadeRoom& room,
                  LinearTile& under) {
+  LinearTile linear;
   const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
   Span span;
   alignas(64) float opacity[kTilePixels];
@@ -32,13 +33,13 @@ void blend_layer(const Frame& f, const Shading& s, const Layer& layer, int32_t t
   add_tile(f, z, layer.id + tile, span);  // a span has room for the triangles of one tile
   if (span.count == 0) return;
   set_up_span(f, s, span, ty, room.triangles, room.functions);
-  color_tile(f, s, room.triangles, room.functions, {z, span.which[0], 0}, room.textures, room.linear);
+  color_tile(f, s, {z, span.which[0], 0}, room, linear);
   find_opacities(f, s, span, span.which[0], z, tx, ty, opacity);
   for (int i = 0; i < kTilePixels; i += kLanes) {
     const M covered = load(span.which[0] + i) > splat(-1);
     const F share = load(opacity + i);
     for (int c = 0; c < 3; ++c) {
-      const F below = load(under.color[c] + i), color = load(room.linear.color[c] + i);
+      const F below = load(under.color[c] + i), color = load(linear.color[c] + i);
       store(under.color[c] + i, select(covered, below + share * (color - below), below));
     }
   }
@@ -51,10 +52,10 @@ PROMENADE_INLINE bool is_empty(const uint32_t* id) {
   return bits(none) == (1U << kLanes) - 1U;
 }
 
-void shade_layers_row(const Frame& f, const Shading& s, const Layer* layers, int32_t count, int32_t ty) {
-  ShadeRoom room;
-  __builtin_memset(&room, 0, sizeof room);
-  for (int32_t tx = 0; tx < f.tiles_x; ++tx) {
+void shade_layers_row(const Frame& f, const Shading& s, const Layers& of, int32_t ty) {
+  const Layer* layers = of.layers;
+  ShadeRoom& room = shade_room();
+  for (int32_t tx = of.tx0; tx < of.tx1; ++tx) {
     const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
     if (is_empty(layers[0].id + tile)) continue;  // then the layers behind it are empty, too
     LinearTile linear;
@@ -65,7 +66,7 @@ void shade_layers_row(const Frame& f, const Shading& s, const Layer* layers, int
       for (int c = 0; c < 3; ++c)
         linear.color[c][i] = pixels[i] == nullptr ? 0.0F : s.linear_of_srgb[*pixels[i] >> (8 * c) & 255U];
     }
-    for (int32_t l = count - 1; l >= 0; --l) blend_layer(f, s, layers[l], tx, ty, room, linear);
+    for (int32_t l = of.count - 1; l >= 0; --l) blend_layer(f, s, layers[l], tx, ty, room, linear);
     for (int i = 0; i < kTilePixels; i += kLanes) {
       const F color[3] = {load(linear.color[0] + i), load(linear.color[1] + i), load(linear.color[2] + i)};
       int32_t rgba[kLanes];

@@ -167,6 +167,7 @@ PROMENADE_INLINE M shown_lanes(const Frame& f, const Item& item, Int64 at, F z, 
   if (f.before_z == nullptr) return shown;
   const F before = load(f.before_z + at);
   const I before_id = load(reinterpret_cast<const int32_t*>(f.before_id) + at);
+  shown = shown & less_unsigned(before_id, splat(static_cast<int32_t>(kNoSurface)));  // behind nothing: no depth
   return shown & ((z < before) | ((z <= before) & less_unsigned(before_id, id)));
 }
 

@@ -202,12 +202,22 @@ PROMENADE_INLINE float first_center(int32_t tile, int32_t axis) {
   return static_cast<float>(tile * kTile * kSubpixel + kSubpixel / 2 - axis);
 }
 
+/// The finished colours of those of kLanes triangles that have one colour and no texture.
+PROMENADE_INLINE void pack_flat_colors(SpanTriangles& t, int32_t first) {
+  const F color[3] = {load(t.color[0][0] + first), load(t.color[0][1] + first), load(t.color[0][2] + first)};
+  const M flat =
+      mask_of(static_cast<uint32_t>(t.flat >> first) & ((1U << kLanes) - 1U)) & (load(t.texture + first) < splat(0.0F));
+  store(t.packed + first, as_float(select(flat, packed_srgb(color), splat(0))));
+}
+
 /// Brings the triangles of a span, and their attributes as functions over it, into place.
 void set_up_span(const Frame& f, const Shading& s, const Span& span, int32_t ty, SpanTriangles& t, SpanFunctions& fn) {
   fetch_triangles(s, span, t);
   for (int32_t k = 0; k < t.count; k += kLanes) {
     light_corners(s, t, k);
-    set_up_lanes(f, s, t, k, first_center(span.first, f.axis_x), first_center(ty, f.axis_y), fn);
+    pack_flat_colors(t, k);
+    if (t.varying || t.surface_count > 0)
+      set_up_lanes(f, s, t, k, first_center(span.first, f.axis_x), first_center(ty, f.axis_y), fn);
   }
 }
 
@@ -232,16 +242,29 @@ PROMENADE_INLINE F distance_of(const Frame& f, const TilePixels& pixels, int fir
   return f.orthographic ? one : one / select(covered, load(pixels.z + first), one);
 }
 
-/// kEntries: at least the span's triangles.
+/// What kLanes pixels look up of their triangles. kEntries: at least the span's.
 template <int kEntries>
+struct OfSeveral {
+  I seen;
+  OfSeveral(const TilePixels& pixels, int first) : seen(max(load(pixels.which + first), splat(0))) {}
+  PROMENADE_INLINE F operator()(const float* table) const { return Table<kEntries>(table)[seen]; }
+};
+/// The same where all of a tile shows one triangle.
+struct OfOne {
+  int32_t place;
+  OfOne(const TilePixels& pixels, int /*first*/) : place(pixels.which[0]) {}
+  PROMENADE_INLINE F operator()(const float* table) const { return splat(table[place]); }
+};
+
+template <class Of>
 PROMENADE_INLINE void place_textures(const Frame& f, const SpanTriangles& t, const SpanFunctions& fn,
                                      const TilePixels& pixels, TexturePlaces& out) {
   for (int i = 0; i < kTilePixels; i += kLanes) {
-    const I shown = load(pixels.which + i), seen = max(shown, splat(0));
-    const M covered = shown > splat(-1);
+    const Of of(pixels, i);
+    const M covered = load(pixels.which + i) > splat(-1);
     const LanePlace at(pixels.tile, i);
     const F w = distance_of(f, pixels, i, covered);
-    const auto slot = [&](int k) { return Table<kEntries>(fn.a[k])[seen]; };
+    const auto slot = [&](int k) { return of(fn.a[k]); };
     const F ux = slot(slot_ux), uy = slot(slot_uy), vx = slot(slot_vx), vy = slot(slot_vy);
     const F u = (slot(slot_u) + (ux * at.dx + uy * at.dy)) * w, v = (slot(slot_v) + (vx * at.dx + vy * at.dy)) * w;
     F zx = splat(0.0F), zy = zx;
@@ -252,7 +275,7 @@ PROMENADE_INLINE void place_textures(const Frame& f, const SpanTriangles& t, con
     store(out.duy + i, (uy - u * zy) * w);
     store(out.dvx + i, (vx - v * zx) * w);
     store(out.dvy + i, (vy - v * zy) * w);
-    store(out.surface + i, select(covered, Table<kEntries>(t.texture)[seen], splat(-1.0F)));
+    store(out.surface + i, select(covered, of(t.texture), splat(-1.0F)));
   }
 }
 
@@ -269,10 +292,10 @@ struct TextureRoom {
 };
 
 /// The textures' colours of a tile's pixels into room.sum; what has no texture gets 1.
-template <int kEntries>
+template <class Of>
 PROMENADE_INLINE void sample_textures(const Frame& f, const Shading& s, const SpanTriangles& t, const SpanFunctions& fn,
                                       const TilePixels& pixels, TextureRoom& room) {
-  place_textures<kEntries>(f, t, fn, pixels, room.places);
+  place_textures<Of>(f, t, fn, pixels, room.places);
   F most = splat(-1.0F);
   for (int i = 0; i < kTilePixels; i += kLanes) {
     const F surface = load(room.places.surface + i);
@@ -286,30 +309,19 @@ PROMENADE_INLINE void sample_textures(const Frame& f, const Shading& s, const Sp
   }
 }
 
-/// Linear colours of a tile's covered pixels.
-template <int kEntries>
-PROMENADE_INLINE void color_tile_by(const Frame& f, const Shading& s, const SpanTriangles& t, const SpanFunctions& fn,
-                                    const TilePixels& pixels, TextureRoom& room, LinearTile& out) {
-  if (t.surface_count > 0) sample_textures<kEntries>(f, s, t, fn, pixels, room);
-  for (int i = 0; i < kTilePixels; i += kLanes) {
-    const I shown = load(pixels.which + i), seen = max(shown, splat(0));
-    const LanePlace at(pixels.tile, i);
-    const auto slot = [&](int k) { return Table<kEntries>(fn.a[k])[seen]; };
-    const F w = t.varying ? distance_of(f, pixels, i, shown > splat(-1)) : splat(1.0F);
-    for (int c = 0; c < 3; ++c) {
-      F color = slot(slot_r + 3 * c);
-      if (t.varying) color = (color + (slot(slot_rx + 3 * c) * at.dx + slot(slot_ry + 3 * c) * at.dy)) * w;
-      if (t.surface_count > 0) color = color * load(room.sum.color[c] + i);
-      store(out.color[c] + i, color);
-    }
+/// Linear colours of kLanes pixels of a tile from `first` on, whose textures are in `room`.
+template <class Of>
+PROMENADE_INLINE void color_lanes(const Frame& f, const SpanTriangles& t, const SpanFunctions& fn,
+                                  const TilePixels& pixels, int first, const TextureRoom& room, F* color) {
+  const Of of(pixels, first);
+  const LanePlace at(pixels.tile, first);
+  const M covered = load(pixels.which + first) > splat(-1);
+  const F w = t.varying ? distance_of(f, pixels, first, covered) : splat(1.0F);
+  for (int c = 0; c < 3; ++c) {
+    color[c] = of(fn.a[slot_r + 3 * c]);
+    if (t.varying) color[c] = (color[c] + (of(fn.a[slot_rx + 3 * c]) * at.dx + of(fn.a[slot_ry + 3 * c]) * at.dy)) * w;
+    if (t.surface_count > 0) color[c] = color[c] * load(room.sum.color[c] + first);
   }
-}
-
-void color_tile(const Frame& f, const Shading& s, const SpanTriangles& t, const SpanFunctions& fn,
-                const TilePixels& pixels, TextureRoom& room, LinearTile& out) {
-  if (t.count <= 16) return color_tile_by<16>(f, s, t, fn, pixels, room, out);
-  if (t.count <= 32) return color_tile_by<32>(f, s, t, fn, pixels, room, out);
-  color_tile_by<kSpanTriangles>(f, s, t, fn, pixels, room, out);
 }
 
 /// What shading a row of tiles works in. Lanes beyond the last triangle are computed and never looked at; they must
@@ -318,45 +330,106 @@ struct ShadeRoom {
   SpanTriangles triangles;
   SpanFunctions functions;
   TextureRoom textures;
-  LinearTile linear;
 };
 
-void put_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, const int32_t* which,
-              const LinearTile& linear) {
-  const F x = splat(first_center(tx, f.axis_x)), y = splat(first_center(ty, f.axis_y)),
-          pixel = splat(static_cast<float>(kSubpixel));
+/// A thread's own, kept: 30 KiB are not to be cleared for each row.
+PROMENADE_INLINE ShadeRoom& shade_room() {
+  static thread_local ShadeRoom room;
+  return room;
+}
+
+/// Linear colours of a tile's covered pixels.
+template <class Of>
+PROMENADE_INLINE void color_tile_by(const Frame& f, const Shading& s, const TilePixels& pixels, ShadeRoom& room,
+                                    LinearTile& out) {
+  const SpanTriangles& t = room.triangles;
+  const bool same = !t.varying && t.surface_count == 0;
+  if (t.surface_count > 0) sample_textures<Of>(f, s, t, room.functions, pixels, room.textures);
   for (int i = 0; i < kTilePixels; i += kLanes) {
-    const LanePlace at(0, i);
-    const M covered = load(which + i) > splat(-1);
-    const uint32_t lanes = bits(covered);
-    I out = splat(static_cast<int32_t>(s.plain));
-    if (s.has_sky && lanes != (1U << kLanes) - 1U) out = sky_at(s, x + at.dx * pixel, y + at.dy * pixel);
-    if (lanes != 0) {
-      const F color[3] = {load(linear.color[0] + i), load(linear.color[1] + i), load(linear.color[2] + i)};
-      out = select(covered, packed_srgb(color), out);
-    }
-    int32_t rgba[kLanes];
-    store(rgba, out);
-    for (int r = 0; r < kLanes / 4; ++r) {
-      const int32_t px = tx * kTile + (i / 16 & 1) * 4, py = ty * kTile + (i / 32) * 4 + i % 16 / 4 + r;
-      if (py >= f.height || px >= f.width) continue;
-      uint32_t* to = s.out + static_cast<Int64>(py) * f.width + px;
-      const int32_t count = f.width - px;
-      if (count >= 4)
-        __builtin_memcpy(to, rgba + 4 * r, 16);
-      else
-        __builtin_memcpy(to, rgba + 4 * r, static_cast<uint64_t>(count) * 4);
-    }
+    F color[3];
+    if (same)
+      for (int c = 0; c < 3; ++c) color[c] = Of(pixels, i)(t.color[0][c]);
+    else
+      color_lanes<Of>(f, t, room.functions, pixels, i, room.textures, color);
+    for (int c = 0; c < 3; ++c) store(out.color[c] + i, color[c]);
   }
+}
+
+void color_tile(const Frame& f, const Shading& s, const TilePixels& pixels, ShadeRoom& room, LinearTile& out) {
+  if (room.triangles.count <= 16) return color_tile_by<OfSeveral<16>>(f, s, pixels, room, out);
+  if (room.triangles.count <= 32) return color_tile_by<OfSeveral<32>>(f, s, pixels, room, out);
+  color_tile_by<OfSeveral<kSpanTriangles>>(f, s, pixels, room, out);
+}
+
+/// A tile's finished colours, in the order of its pixels.
+struct PackedTile {
+  alignas(64) int32_t rgba[kTilePixels];
+};
+
+PROMENADE_INLINE void put_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, const PackedTile& tile) {
+  uint32_t* to = s.out + static_cast<Int64>(ty) * kTile * f.width + tx * kTile;
+  const int32_t width = min_of(kTile, f.width - tx * kTile), height = min_of(kTile, f.height - ty * kTile);
+  for (int32_t y = 0; y < height; ++y, to += f.width) {
+    const int32_t* row = tile.rgba + (y & 4) * 8 + (y & 3) * 4;
+    if (width == kTile) {
+      __builtin_memcpy(to, row, 16);
+      __builtin_memcpy(to + 4, row + 16, 16);
+      continue;
+    }
+    for (int32_t x = 0; x < width; ++x) to[x] = static_cast<uint32_t>(row[(x & 4) * 4 + (x & 3)]);
+  }
+}
+
+/// What is seen where nothing is, at kLanes pixels of a tile.
+PROMENADE_INLINE I background_at(const Frame& f, const Shading& s, int32_t tx, int32_t ty, int first) {
+  if (!s.has_sky) return splat(static_cast<int32_t>(s.plain));
+  const LanePlace at(0, first);
+  const F pixel = splat(static_cast<float>(kSubpixel));
+  return sky_at(s, splat(first_center(tx, f.axis_x)) + at.dx * pixel,
+                splat(first_center(ty, f.axis_y)) + at.dy * pixel);
+}
+
+/// Finished colours of a tile: those of its triangles that have one are looked up, the others computed.
+template <class Of>
+PROMENADE_INLINE void shade_tile_by(const Frame& f, const Shading& s, int32_t tx, int32_t ty, const TilePixels& pixels,
+                                    ShadeRoom& room, PackedTile& out) {
+  constexpr uint32_t kAll = (1U << kLanes) - 1U;
+  const SpanTriangles& t = room.triangles;
+  bool sampled = t.surface_count == 0;
+  for (int i = 0; i < kTilePixels; i += kLanes) {
+    const M covered = load(pixels.which + i) > splat(-1);
+    I rgba = as_int(Of(pixels, i)(t.packed));
+    const M flat = rgba < splat(0);  // by its opacity
+    if ((bits(covered) & ~bits(flat)) != 0) {
+      if (!sampled) sample_textures<Of>(f, s, t, room.functions, pixels, room.textures), sampled = true;
+      F color[3];
+      color_lanes<Of>(f, t, room.functions, pixels, i, room.textures, color);
+      rgba = select(flat, rgba, packed_srgb(color));
+    }
+    if (bits(covered) != kAll) rgba = select(covered, rgba, background_at(f, s, tx, ty, i));
+    store(out.rgba + i, rgba);
+  }
+}
+
+void shade_tile(const Frame& f, const Shading& s, int32_t tx, int32_t ty, const TilePixels& pixels, int32_t throughout,
+                ShadeRoom& room, PackedTile& out) {
+  if (throughout == tile_shows_nothing) {
+    for (int i = 0; i < kTilePixels; i += kLanes) store(out.rgba + i, background_at(f, s, tx, ty, i));
+    return;
+  }
+  if (throughout >= 0) return shade_tile_by<OfOne>(f, s, tx, ty, pixels, room, out);
+  if (room.triangles.count <= 16) return shade_tile_by<OfSeveral<16>>(f, s, tx, ty, pixels, room, out);
+  if (room.triangles.count <= 32) return shade_tile_by<OfSeveral<32>>(f, s, tx, ty, pixels, room, out);
+  shade_tile_by<OfSeveral<kSpanTriangles>>(f, s, tx, ty, pixels, room, out);
 }
 
 void shade_span(const Frame& f, const Shading& s, const Span& span, int32_t ty, ShadeRoom& room) {
   if (span.count > 0) set_up_span(f, s, span, ty, room.triangles, room.functions);
   for (int32_t i = 0; i < span.tiles; ++i) {
     const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + span.first + i) * kTilePixels;
-    const TilePixels pixels = {f.z + tile, span.which[i], i};
-    if (span.count > 0) color_tile(f, s, room.triangles, room.functions, pixels, room.textures, room.linear);
-    put_tile(f, s, span.first + i, ty, span.which[i], room.linear);
+    PackedTile rgba;
+    shade_tile(f, s, span.first + i, ty, {f.z + tile, span.which[i], i}, span.throughout[i], room, rgba);
+    put_tile(f, s, span.first + i, ty, rgba);
   }
 }
 
@@ -364,8 +437,7 @@ void shade_span(const Frame& f, const Shading& s, const Span& span, int32_t ty, 
 void shade_row(const Frame& f, const Shading& s, int32_t ty) {
   constexpr int32_t kAhead = 3;
   Span spans[kAhead];
-  ShadeRoom room;
-  __builtin_memset(&room, 0, sizeof room);
+  ShadeRoom& room = shade_room();
   int32_t found = 0, done = 0;
   for (int32_t next = 0; done < found || next < f.tiles_x;) {
     if (next < f.tiles_x) {

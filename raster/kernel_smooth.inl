@@ -26,6 +26,10 @@ constexpr Places places_in_pixel() {
 }
 constexpr Places kPlacesInPixel = places_in_pixel();
 
+/// Three corners' or four functions' numbers side by side.
+using Four = float __attribute__((vector_size(16)));
+PROMENADE_INLINE Four four_of(float a) { return Four{a, a, a, a}; }
+
 /// A triangle over the picture near one of its pixels: its barycentric coordinates over w (all >= 0 inside) and, last,
 /// its depth, as functions of pixels from (x, y), which lies in sub-pixels from the axis.
 struct EdgeTriangle {
@@ -33,21 +37,32 @@ struct EdgeTriangle {
   bool usable = false;  ///< false: what it covers cannot be told from its corners
   int32_t px = 0;       ///< the pixel about which it was set up
   float x = 0, y = 0;
-  float at[4] = {}, dx[4] = {}, dy[4] = {};
+  Four at = {}, dx = {}, dy = {};
   bool holes = false;
 };
 
+/// Corners in the view; the fourth lane is the third once more.
+struct ViewCorners {
+  Four x, y, w;
+};
+
 /// The corners as seen from the pixel, so that little triangles keep their precision wherever they lie; sets w.
-PROMENADE_INLINE void corners_about(const Frame& f, const Item& item, uint32_t triangle, float x, float y, ViewPoint* p,
-                                    float* depth) {
-  for (int i = 0; i < 3; ++i) {
-    float at[3];
-    position_of(item, vertex_of(item, 3 * static_cast<uint64_t>(triangle) + static_cast<uint64_t>(i)), at);
-    p[i] = view_point(item, at[0], at[1], at[2]);
-    depth[i] = f.orthographic ? -p[i].w : 1.0F;
-    if (f.orthographic) p[i].w = 1.0F;
-    p[i].x = p[i].x - x * p[i].w, p[i].y = p[i].y - y * p[i].w;
+PROMENADE_INLINE ViewCorners corners_about(const Frame& f, const Item& item, uint32_t triangle, float x, float y,
+                                           Four& depth) {
+  uint32_t place[3];
+  for (uint64_t i = 0; i < 3; ++i) place[i] = *vertex_of(item, 3 * static_cast<uint64_t>(triangle) + i);
+  const float* positions[3] = {item.x, item.y, item.z};
+  Four d[3];
+  for (int k = 0; k < 3; ++k) {
+    const float* p = positions[k];
+    d[k] = (Four{p[place[0]], p[place[1]], p[place[2]], p[place[2]]} - item.eye_hi[k]) - item.eye_lo[k];
   }
+  const auto row = [&](int r) { return (item.rows[r][0] * d[0] + item.rows[r][1] * d[1]) + item.rows[r][2] * d[2]; };
+  ViewCorners c = {row(0), row(1), row(2)};
+  depth = f.orthographic ? -c.w : four_of(1.0F);
+  if (f.orthographic) c.w = four_of(1.0F);
+  c.x = c.x - x * c.w, c.y = c.y - y * c.w;
+  return c;
 }
 
 /// mask: set only if the triangle has holes.
@@ -63,23 +78,23 @@ void set_up_edge_triangle(const Frame& f, const Shading& s, uint32_t id, int32_t
     set_up_mask(f, item, triangle, mask);
     e.holes = true;
   }
-  ViewPoint p[3];
-  float depth[3], n[3][3];
-  corners_about(f, item, triangle, x, y, p, depth);
-  for (int i = 0; i < 3; ++i) {
-    const ViewPoint &q = p[i == 2 ? 0 : i + 1], &r = p[i == 0 ? 2 : i - 1];
-    n[i][0] = q.y * r.w - q.w * r.y, n[i][1] = q.w * r.x - q.x * r.w, n[i][2] = q.x * r.y - q.y * r.x;
-  }
-  const float det = (p[0].x * n[0][0] + p[0].y * n[0][1]) + p[0].w * n[0][2];
+  Four depth;
+  const ViewCorners p = corners_about(f, item, triangle, x, y, depth);
+  const auto next = [](Four v) { return __builtin_shufflevector(v, v, 1, 2, 0, 0); };
+  const auto last = [](Four v) { return __builtin_shufflevector(v, v, 2, 0, 1, 1); };
+  const ViewCorners q = {next(p.x), next(p.y), next(p.w)}, r = {last(p.x), last(p.y), last(p.w)};
+  const Four nx = q.y * r.w - q.w * r.y, ny = q.w * r.x - q.x * r.w, nw = q.x * r.y - q.y * r.x;
+  const float det = (p.x[0] * nx[0] + p.y[0] * ny[0]) + p.w[0] * nw[0];
   const float inverse = 1.0F / det;
   if (!(abs_of(det) > 0) || !(abs_of(inverse) < kFloatMax)) return;
-  e.at[3] = 0, e.dx[3] = 0, e.dy[3] = 0;
-  for (int i = 0; i < 3; ++i) {
-    e.at[i] = n[i][2] * inverse;
-    e.dx[i] = n[i][0] * inverse * static_cast<float>(kSubpixel),
-    e.dy[i] = n[i][1] * inverse * static_cast<float>(kSubpixel);
-    e.at[3] += depth[i] * e.at[i], e.dx[3] += depth[i] * e.dx[i], e.dy[3] += depth[i] * e.dy[i];
-  }
+  const auto with_depth = [&](Four v) {
+    const Four of = depth * v;
+    v[3] = (of[0] + of[1]) + of[2];
+    return v;
+  };
+  const float pixel = static_cast<float>(kSubpixel);
+  e.at = with_depth(nw * inverse);
+  e.dx = with_depth(nx * inverse * pixel), e.dy = with_depth(ny * inverse * pixel);
   e.usable = true;
 }
 
@@ -121,8 +136,9 @@ PixelFunction opacity_across(const MaskTriangle& m, const PixelFunction& z, floa
 PROMENADE_INLINE uint32_t take_places(const Frame& f, const EdgeTriangle& e, const MaskTriangle& mask, float x, float y,
                                       float* z) {
   const float across = (x - e.x) * (1.0F / kSubpixel), down = (y - e.y) * (1.0F / kSubpixel);
+  const Four at = e.at + (e.dx * across + e.dy * down);
   PixelFunction fn[4];
-  for (int i = 0; i < 4; ++i) fn[i] = {e.at[i] + (e.dx[i] * across + e.dy[i] * down), e.dx[i], e.dy[i]};
+  for (int i = 0; i < 4; ++i) fn[i] = {at[i], e.dx[i], e.dy[i]};
   PixelFunction solid = {1, 0, 0};
   if (e.holes) solid = opacity_across(mask, fn[3], x, y);
   const F zero = splat(0.0F), nearest = splat(f.orthographic ? -f.near_m : 1.0F / f.near_m);
@@ -156,16 +172,30 @@ PROMENADE_INLINE int neighbour_of_place(const Five& five, int i) {
 }
 
 int32_t mean_color(const Shading& s, const Five& five, const int* places) {
-  float linear[kLanes] = {};
+  Four linear = {};
   for (int k = 0; k < 5; ++k) {
     if (places[k] == 0) continue;
     const uint32_t color = static_cast<uint32_t>(five.color[k]);
     const float share = static_cast<float>(places[k]) * (1.0F / kPlaces);
-    for (int c = 0; c < 3; ++c) linear[c] += share * s.linear_of_srgb[color >> (8 * c) & 255U];
+    linear = linear + share * Four{s.linear_of_srgb[color & 255U], s.linear_of_srgb[color >> 8 & 255U],
+                                   s.linear_of_srgb[color >> 16 & 255U], 0.0F};
   }
+  float lanes[kLanes] = {};
+  __builtin_memcpy(lanes, &linear, sizeof linear);
   int32_t bytes[kLanes];
-  store(bytes, to_srgb(load(linear)));
+  store(bytes, to_srgb(load(lanes)));
   return static_cast<int32_t>(0xff000000U) | bytes[2] << 16 | bytes[1] << 8 | bytes[0];
+}
+
+/// Which of the five show a triangle that none before them shows; bits.
+PROMENADE_INLINE uint32_t distinct_among(const uint32_t* id) {
+  uint32_t found = 0;
+  for (int k = 0; k < 5; ++k) {
+    bool fresh = id[k] != kNoSurface;
+    for (int j = 0; j < k; ++j) fresh = fresh & (id[j] != id[k]);
+    found |= (fresh ? 1U : 0U) << k;
+  }
+  return found;
 }
 
 int32_t smoothed_pixel(const Frame& f, const Shading& s, EdgeTriangles& triangles, const Five& five, int32_t px,
@@ -175,10 +205,8 @@ int32_t smoothed_pixel(const Frame& f, const Shading& s, EdgeTriangles& triangle
   const float x = static_cast<float>(px * kSubpixel + kSubpixel / 2 - f.axis_x),
               y = static_cast<float>(py * kSubpixel + kSubpixel / 2 - f.axis_y);
   uint32_t owned[5] = {}, all = 0;
-  for (int k = 0; k < 5; ++k) {
-    bool known = five.id[k] == kNoSurface;
-    for (int j = 0; j < k; ++j) known |= five.id[j] == five.id[k];
-    if (known) continue;
+  for (uint32_t left = distinct_among(five.id); left != 0; left &= left - 1) {
+    const int k = __builtin_ctz(left);
     const uint32_t slot = triangles.at(f, s, five.id[k], px, x, y);
     const EdgeTriangle& e = triangles.slots[slot];
     if (!e.usable) {
@@ -186,7 +214,7 @@ int32_t smoothed_pixel(const Frame& f, const Shading& s, EdgeTriangles& triangle
       continue;
     }
     const uint32_t taken = take_places(f, e, triangles.masks[slot], x, y, z);
-    for (int j = 0; j < k; ++j) owned[j] &= ~taken;
+    for (uint32_t& o : owned) o &= ~taken;
     owned[k] = taken, all |= taken;
   }
   if (owned[0] == kAllPlaces) return five.color[0];
@@ -200,43 +228,73 @@ int32_t smoothed_pixel(const Frame& f, const Shading& s, EdgeTriangles& triangle
   return places[0] == kPlaces ? five.color[0] : mean_color(s, five, places);
 }
 
-/// Fills a row up to both sides: a pixel before it and kSmoothChunk behind.
-PROMENADE_INLINE void extend_row(const Frame& f, int32_t* row) {
-  row[-1] = row[0];
-  for (int i = 0; i < kSmoothChunk + 1; ++i) row[f.width + i] = row[f.width - 1];
+/// Four ids, and what four pixels that lie together show.
+using FourIds = int32_t __attribute__((vector_size(16)));
+PROMENADE_INLINE FourIds shown_ids(const Frame& f, Int64 at) {
+  Four z;
+  FourIds ids;
+  __builtin_memcpy(&z, f.z + at, sizeof z), __builtin_memcpy(&ids, f.id + at, sizeof ids);
+  return ids | ~(z > f.clear_z);  // kNoSurface: all bits set
 }
 
-/// Ids of one row of pixels, one after the other.
-void lay_out_ids(const Frame& f, int32_t y, int32_t* row) {
-  y = max_of(0, min_of(y, f.height - 1));
-  const Int64 first = static_cast<Int64>(y >> 3) * f.tiles_x * kTilePixels + (y >> 2 & 1) * 32 + (y & 3) * 4;
-  const int32_t quads = (f.width + 3) / 4;
-  const float *z = f.z + first, clear = f.clear_z;  // copies: the compiler need not fear that ids written change them
-  const uint32_t* id = f.id + first;
-  for (int32_t q = 0; q < quads; ++q) {
-    const Int64 at = static_cast<Int64>(q >> 1) * kTilePixels + (q & 1) * 16;
-    int32_t four[4];
-    for (int i = 0; i < 4; ++i) four[i] = static_cast<int32_t>(z[at + i] > clear ? id[at + i] : kNoSurface);
-    __builtin_memcpy(row + 4 * q, four, sizeof four);
+/// Ids of a row of tiles and of the rows of pixels above and below it, laid out one after the other; tile by tile, as
+/// they are asked for. Beyond the picture's sides, copies of what lies at them.
+class IdRows {
+ public:
+  /// room: kSmoothRows rows of `stride`.
+  IdRows(const Frame& f, const Smoothing& smoothing, int32_t ty) : f_(f), ty_(ty) {
+    for (int i = 0; i < kSmoothRows; ++i) rows_[i] = smoothing.room + static_cast<Int64>(i) * smoothing.stride + 16;
+    __builtin_memset(done_, 0, sizeof done_);
   }
-  extend_row(f, row);
-}
+  /// Row i of the eight is at(i + 1); valid from x - 1 to x + kSmoothChunk after ask_for(x).
+  const int32_t* at(int32_t i) const { return rows_[i]; }
+  void ask_for(int32_t x) {
+    const int32_t tx = x / kTile;
+    for (int32_t t = max_of(0, tx - 1); t <= min_of(tx + 2, f_.tiles_x - 1); ++t)
+      if ((done_[t >> 6] >> (t & 63) & 1U) == 0) lay_out(t);
+    if (x == 0)
+      for (int32_t* row : rows_) row[-1] = row[0];
+    if (x + kSmoothChunk < f_.width) return;
+    for (int32_t* row : rows_)
+      for (int i = 0; i < kSmoothChunk + 1; ++i) row[f_.width + i] = row[f_.width - 1];
+  }
 
-/// Ids of a row of tiles. rows: its eight rows of pixels.
-void lay_out_tiles(const Frame& f, int32_t ty, int32_t* const* rows) {
-  const F clear = splat(f.clear_z);
-  const I none = splat(static_cast<int32_t>(kNoSurface));
-  for (int32_t tx = 0; tx < f.tiles_x; ++tx) {
-    const Int64 tile = (static_cast<Int64>(ty) * f.tiles_x + tx) * kTilePixels;
-    alignas(64) int32_t ids[kTilePixels];
-    for (int i = 0; i < kTilePixels; i += kLanes)
-      store(ids + i,
-            select(load(f.z + tile + i) > clear, load(reinterpret_cast<const int32_t*>(f.id) + tile + i), none));
-    for (int q = 0; q < kTilePixels / 4; ++q)
-      __builtin_memcpy(rows[(q >> 3) * 4 + (q & 3)] + tx * kTile + (q >> 2 & 1) * 4, ids + 4 * q, 16);
+ private:
+  /// Has memory bring what a tile a little farther on will want: no processor foresees the rows above and below.
+  PROMENADE_INLINE void look_ahead(int32_t tx) const {
+    if (tx >= f_.tiles_x) return;
+    const Int64 row = static_cast<Int64>(f_.tiles_x) * kTilePixels;
+    const Int64 tile = static_cast<Int64>(ty_) * row + static_cast<Int64>(tx) * kTilePixels;
+    const auto line = [this](Int64 at) { __builtin_prefetch(f_.z + at), __builtin_prefetch(f_.id + at); };
+    for (int i = 0; i < kTilePixels; i += 16) line(tile + i);
+    if (ty_ > 0) line(tile - row + 32), line(tile - row + 48);
+    if (ty_ + 1 < f_.tiles_y) line(tile + row), line(tile + row + 16);
   }
-  for (int i = 0; i < kTile; ++i) extend_row(f, rows[i]);
-}
+  void lay_out(int32_t tx) {
+    done_[tx >> 6] |= uint64_t(1) << (tx & 63);
+    look_ahead(tx + kTilesAhead);
+    const Int64 tile = (static_cast<Int64>(ty_) * f_.tiles_x + tx) * kTilePixels;
+    for (int q = 0; q < kTilePixels / 4; ++q) put(tx, (q >> 3) * 4 + (q & 3) + 1, q >> 2 & 1, tile + 4 * q);
+    // The last row of the tile above, the first one of that below.
+    const int32_t rows = min_of(kTile, f_.height - ty_ * kTile);
+    const Int64 row = static_cast<Int64>(f_.tiles_x) * kTilePixels;
+    const Int64 above = ty_ > 0 ? tile - row + 44 : tile;
+    const Int64 last = tile + ((rows - 1) & 4) * 8 + ((rows - 1) & 3) * 4;
+    const Int64 below = (ty_ + 1) * kTile < f_.height ? tile + row : last;
+    for (int half = 0; half < 2; ++half)
+      put(tx, 0, half, above + 16 * half), put(tx, rows + 1, half, below + 16 * half);
+  }
+  PROMENADE_INLINE void put(int32_t tx, int32_t row, int half, Int64 from) {
+    const FourIds ids = shown_ids(f_, from);
+    __builtin_memcpy(rows_[row] + tx * kTile + 4 * half, &ids, sizeof ids);
+  }
+
+  static constexpr int32_t kTilesAhead = 6;
+  const Frame& f_;
+  int32_t ty_;
+  int32_t* rows_[kSmoothRows];
+  uint64_t done_[kMostTilesAcross / 64];
+};
 
 /// The largest of a colour's red, green and blue.
 PROMENADE_INLINE I largest_channel(I a) {
@@ -249,10 +307,11 @@ struct Rows {
   const int32_t* row[3];
 };
 
-/// How much each of kSmoothChunk pixels from x on differs from those of its neighbours that show other triangles; 0: it
-/// is no edge. An edge's pixel shows the sky or a triangle that two of its neighbours show, too: where every pixel has
-/// a triangle of its own there is none to find, and it would cost the most. Returns which do not have 0.
-PROMENADE_INLINE uint32_t edges_among(const Rows& id, const Rows& color, int32_t x, int32_t* strength) {
+/// How much each of kSmoothChunk pixels from x on differs from those of its neighbours that show other triangles; 0: by
+/// less than `least`, or it is no edge. An edge's pixel shows the sky or a triangle that two of its neighbours show,
+/// too: where every pixel has a triangle of its own there is none to find, and it would cost the most. Returns which do
+/// not have 0.
+PROMENADE_INLINE uint32_t edges_among(const Rows& id, const Rows& color, int32_t x, int32_t least, int32_t* strength) {
   const I none = splat(0), one = splat(1);
   uint32_t found = 0;
   for (int part = 0; part < kSmoothChunk; part += kLanes) {
@@ -269,7 +328,8 @@ PROMENADE_INLINE uint32_t edges_among(const Rows& id, const Rows& color, int32_t
                            load(color.row[2] + p)};
       for (int i = 0; i < 4; ++i)
         most = max_bytes(most, select(equal(own, sides[i]), none, difference_of_bytes(here, colors[i])));
-      most = select(to_do, largest_channel(most), none);
+      most = largest_channel(most);
+      most = select(to_do & (most > splat(least - 1)), most, none);
       found |= bits(most > none) << part;
     }
     store(strength + part, most);
@@ -293,24 +353,52 @@ struct ColorChunk {
   }
 };
 
+/// Which of a chunk's rows hold a pixel that differs from a neighbour by at least `least` in some channel, whatever
+/// they show: most of a picture does not, and needs no second look.
+PROMENADE_INLINE uint32_t rows_with_differences(const ColorChunk& colors, int32_t rows, int32_t x, int32_t least) {
+  const I most = splat(static_cast<int32_t>(0xff000000U | static_cast<uint32_t>(least - 1) * 0x10101U));
+  constexpr uint32_t kAll = (1U << kLanes) - 1U;
+  const auto differs = [&](I a) { return bits(equal(max_bytes(a, most), most)) != kAll; };
+  uint32_t found = 0;
+  for (int part = 0; part < kSmoothChunk; part += kLanes) {
+    const int32_t p = x + part;
+    I above = load(colors.row[0] + p);
+    for (int32_t i = 0; i <= rows; ++i) {
+      const I here = load(colors.row[i + 1] + p);
+      if (differs(difference_of_bytes(above, here))) found |= 3U << i;
+      above = here;
+      if (i == rows) break;
+      const I left = load(colors.row[i + 1] + p - 1), right = load(colors.row[i + 1] + p + 1);
+      if (differs(max_bytes(difference_of_bytes(left, here), difference_of_bytes(right, here)))) found |= 2U << i;
+    }
+  }
+  return found >> 1 & ((1U << rows) - 1U);
+}
+
 void find_edges_row(const Frame& f, const Smoothing& smoothing, int32_t ty) {
-  int32_t* ids[kTile + 2];
-  for (int i = 0; i < kTile + 2; ++i) ids[i] = smoothing.room + static_cast<Int64>(i) * smoothing.stride + 16;
-  const int32_t y = ty * kTile, rows = min_of(kTile, f.height - y);
-  lay_out_ids(f, y - 1, ids[0]);
-  lay_out_tiles(f, ty, ids + 1);
-  lay_out_ids(f, y + rows, ids[rows + 1]);
+  IdRows ids(f, smoothing, ty);
+  const int32_t y = ty * kTile, rows = min_of(kTile, f.height - y), least = smoothing.least_difference;
   uint32_t* count = smoothing.counts + static_cast<Int64>(ty) * kStrengths;
   __builtin_memset(count, 0, sizeof(uint32_t) * kStrengths);
+  uint8_t* strengths = smoothing.strength + static_cast<Int64>(y) * smoothing.stride;
+  __builtin_memset(strengths, 0, static_cast<uint64_t>(rows) * static_cast<uint64_t>(smoothing.stride));
   ColorChunk colors;
+  constexpr int32_t kAhead = 6 * kSmoothChunk;
   for (int32_t x = 0; x < f.width; x += kSmoothChunk) {
     colors.look_at(f, smoothing.in, x, y);
-    for (int32_t i = 0; i < rows; ++i) {
-      const Rows id = {{ids[i], ids[i + 1], ids[i + 2]}};
+    for (int32_t i = 0; i < rows + 2 && x + kAhead < f.width; ++i)
+      __builtin_prefetch(smoothing.in + static_cast<Int64>(max_of(0, min_of(y + i - 1, f.height - 1))) * f.width + x +
+                         kAhead);
+    uint32_t to_do = rows_with_differences(colors, rows, x, least);
+    if (to_do != 0) ids.ask_for(x);
+    for (; to_do != 0; to_do &= to_do - 1) {
+      const int32_t i = __builtin_ctz(to_do);
+      const Rows id = {{ids.at(i), ids.at(i + 1), ids.at(i + 2)}};
       const Rows color = {{colors.row[i], colors.row[i + 1], colors.row[i + 2]}};
       int32_t strength[kSmoothChunk];
-      uint32_t found = edges_among(id, color, x, strength);
-      uint8_t* out = smoothing.strength + static_cast<Int64>(y + i) * smoothing.stride + x;
+      uint32_t found = edges_among(id, color, x, least, strength);
+      if (found == 0) continue;
+      uint8_t* out = strengths + static_cast<Int64>(i) * smoothing.stride + x;
       for (int k = 0; k < kSmoothChunk; ++k) out[k] = static_cast<uint8_t>(strength[k]);
       if (f.width - x < kSmoothChunk) found &= (1U << (f.width - x)) - 1U;
       for (; found != 0; found &= found - 1) ++count[strength[__builtin_ctz(found)]];
@@ -320,30 +408,32 @@ void find_edges_row(const Frame& f, const Smoothing& smoothing, int32_t ty) {
 
 /// Of kSmoothChunk pixels those whose strength is at least that.
 PROMENADE_INLINE uint32_t at_least(const uint8_t* strength, int32_t least) {
+  uint64_t halves[2];
+  __builtin_memcpy(halves, strength, sizeof halves);
+  if ((halves[0] | halves[1]) == 0) return 0;  // least > 0
   uint32_t found = 0;
   for (int part = 0; part < kSmoothChunk; part += kLanes)
     found |= bits(load(strength + part) > splat(least - 1)) << part;
   return found;
 }
 
-/// A pixel and its neighbours; beyond the picture's sides, itself.
-PROMENADE_INLINE Five five_at(const Frame& f, const uint32_t* in, int32_t px, int32_t py) {
-  const int32_t xs[5] = {px, max_of(px - 1, 0), min_of(px + 1, f.width - 1), px, px};
-  const int32_t ys[5] = {py, py, py, max_of(py - 1, 0), min_of(py + 1, f.height - 1)};
+/// A pixel and its neighbours; beyond the picture's sides, itself. i: the row of ids above it.
+PROMENADE_INLINE Five five_at(const Frame& f, const uint32_t* in, const IdRows& ids, int32_t i, int32_t px,
+                              int32_t py) {
+  const int32_t left = max_of(px - 1, 0), right = min_of(px + 1, f.width - 1);
+  const uint32_t* row = in + static_cast<Int64>(py) * f.width;
+  const uint32_t *above = py > 0 ? row - f.width : row, *below = py + 1 < f.height ? row + f.width : row;
+  const int32_t *own = ids.at(i + 1), *up = ids.at(i), *down = ids.at(i + 2);
+  const int32_t id[5] = {own[px], own[left], own[right], up[px], down[px]};
+  const uint32_t color[5] = {row[px], row[left], row[right], above[px], below[px]};
   Five five;
-  for (int k = 0; k < 5; ++k) {
-    const int32_t x = xs[k], y = ys[k];
-    const Int64 at = (static_cast<Int64>(y >> 3) * f.tiles_x + (x >> 3)) * kTilePixels +
-                     ((y & 4) * 8 + (x & 4) * 4 + (y & 3) * 4 + (x & 3));
-    five.id[k] = f.z[at] > f.clear_z ? f.id[at] : kNoSurface;
-    five.color[k] = static_cast<int32_t>(in[static_cast<Int64>(y) * f.width + x]);
-  }
+  __builtin_memcpy(five.id, id, sizeof id), __builtin_memcpy(five.color, color, sizeof color);
   return five;
 }
 
 /// Pixels that are about to be smoothed, so that memory is asked for all of their triangles at once.
 struct WaitingPixels {
-  static constexpr int kMost = 64;
+  static constexpr int kMost = 256;
   struct Pixel {
     int32_t x, y;
     Five five;
@@ -372,24 +462,24 @@ struct WaitingPixels {
     for (int i = 0; i < found; ++i) ask_for_positions(item_of(i), wanted[i]);
   }
 
-  void smooth(const Frame& f, const Shading& s, uint32_t* out, EdgeTriangles& triangles) {
+  Smoothed* smooth(const Frame& f, const Shading& s, EdgeTriangles& triangles, Smoothed* to) {
     ask_for_wanted(s, find_wanted(triangles));
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < count; ++i, ++to) {
       const Pixel& p = pixels[i];
-      out[static_cast<Int64>(p.y) * f.width + p.x] =
-          static_cast<uint32_t>(smoothed_pixel(f, s, triangles, p.five, p.x, p.y));
+      *to = {static_cast<uint32_t>(p.y * f.width + p.x),
+             static_cast<uint32_t>(smoothed_pixel(f, s, triangles, p.five, p.x, p.y))};
     }
     count = 0;
+    return to;
   }
 };
 
 void smooth_row(const Frame& f, const Shading& s, const Smoothing& smoothing, int32_t ty) {
   EdgeTriangles triangles;
   WaitingPixels waiting;
+  IdRows ids(f, smoothing, ty);
   const int32_t y = ty * kTile, rows = min_of(kTile, f.height - y);
-  const Int64 first = static_cast<Int64>(y) * f.width;
-  __builtin_memcpy(smoothing.out + first, smoothing.in + first,
-                   static_cast<uint64_t>(f.width) * static_cast<uint64_t>(rows) * 4);
+  Smoothed* to = smoothing.smoothed;
   // Column by column, so that the rows of a triangle find it among those met last; in the same order on all
   // processors, because a triangle's functions depend a little on the pixel that asked for them first.
   for (int32_t x = 0; x < f.width; x += kSmoothChunk) {
@@ -397,12 +487,13 @@ void smooth_row(const Frame& f, const Shading& s, const Smoothing& smoothing, in
       uint32_t edges =
           at_least(smoothing.strength + static_cast<Int64>(y + i) * smoothing.stride + x, smoothing.least_difference);
       if (f.width - x < kSmoothChunk) edges &= (1U << (f.width - x)) - 1U;
+      if (edges != 0) ids.ask_for(x);
       for (; edges != 0; edges &= edges - 1) {
         const int32_t px = x + __builtin_ctz(edges);
-        waiting.pixels[waiting.count++] = {px, y + i, five_at(f, smoothing.in, px, y + i)};
-        if (waiting.count == WaitingPixels::kMost) waiting.smooth(f, s, smoothing.out, triangles);
+        waiting.pixels[waiting.count++] = {px, y + i, five_at(f, smoothing.in, ids, i, px, y + i)};
+        if (waiting.count == WaitingPixels::kMost) to = waiting.smooth(f, s, triangles, to);
       }
     }
   }
-  waiting.smooth(f, s, smoothing.out, triangles);
+  waiting.smooth(f, s, triangles, to);
 }

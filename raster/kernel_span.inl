@@ -2,12 +2,15 @@
 
 constexpr int32_t kSpanTiles = 4, kSpanTriangles = 64;
 
+/// What a tile shows throughout, if it is not one of a span's triangles.
+enum TileShows : int32_t { tile_shows_nothing = -1, tile_shows_several = -2 };
+
 /// Tiles of one row that have at most kSpanTriangles distinct triangles together.
 struct Span {
   int32_t first, tiles;
   int32_t count;
-  uint32_t id[kSpanTriangles];
-  uint8_t slots[2 * kSpanTriangles];                   ///< hash table of places in `id`; 255: none
+  int32_t throughout[kSpanTiles];  ///< the one triangle of the whole tile, or TileShows
+  alignas(64) uint32_t id[kSpanTriangles];
   alignas(64) int32_t which[kSpanTiles][kTilePixels];  ///< triangle of each pixel; -1: none
 };
 
@@ -21,6 +24,8 @@ struct SpanTriangles {
   alignas(64) float uv[3][2][kSpanTriangles];  ///< textured ones only
   alignas(64) int32_t smooth[kSpanTriangles];  ///< 1: has normals
   alignas(64) float texture[kSpanTriangles];   ///< which of `surfaces`; -1: none
+  alignas(64) float packed[kSpanTriangles];    ///< bits of RGBA8 where all of the triangle has one colour; else 0
+  uint64_t flat;                               ///< bits: triangles whose corners have one colour and one normal
   const Surface* surfaces[kSpanTriangles];     ///< the distinct textured ones
   int32_t surface_count;
   bool varying;  ///< some triangle's lit colour may differ from corner to corner
@@ -28,18 +33,20 @@ struct SpanTriangles {
 
 void begin_span(Span& span, int32_t first) {
   span.first = first, span.tiles = 0, span.count = 0;
-  __builtin_memset(span.slots, 255, sizeof span.slots);
+  __builtin_memset(span.id, 255, sizeof span.id);
 }
 
-/// The triangle's place in the span, which it is given if it has none; -1: there is no room.
+/// The triangle's place in the span, which it is given if it has none; -1: there is no room. Most spans have few: all
+/// of them are looked at, kLanes at a time.
 PROMENADE_INLINE int32_t place_in_span(Span& span, uint32_t id) {
-  constexpr uint32_t kSlots = sizeof span.slots;
-  static_assert(kSlots == 128);
-  uint32_t slot = (id * 0x9e3779b1U) >> 25;
-  while (span.slots[slot] != 255 && span.id[span.slots[slot]] != id) slot = (slot + 1) & (kSlots - 1);
-  if (span.slots[slot] != 255) return span.slots[slot];
+  const I wanted = splat(static_cast<int32_t>(id));
+  for (int32_t k = 0; k < span.count; k += kLanes) {
+    const uint32_t found = bits(equal(load(reinterpret_cast<const int32_t*>(span.id) + k), wanted));
+    const int32_t place = k + (found == 0 ? kLanes : __builtin_ctz(found));
+    if (found != 0 && place < span.count) return place;  // beyond: of a tile that was taken back
+  }
   if (span.count == kSpanTriangles) return -1;
-  span.slots[slot] = static_cast<uint8_t>(span.count), span.id[span.count] = id;
+  span.id[span.count] = id;
   return span.count++;
 }
 
@@ -48,17 +55,29 @@ bool add_tile(const Frame& f, const float* z, const uint32_t* id, Span& span) {
   if (span.tiles == kSpanTiles) return false;
   const int32_t before = span.count;
   const int32_t* ids = reinterpret_cast<const int32_t*>(id);
+  constexpr int32_t kPixelsAhead = 6 * kTilePixels;
+  for (int32_t i = 0; i < kTilePixels; i += 16)
+    __builtin_prefetch(z + kPixelsAhead + i), __builtin_prefetch(id + kPixelsAhead + i);
   int32_t* which = span.which[span.tiles];
   constexpr uint32_t kAll = (1U << kLanes) - 1U;
   const I first = splat(ids[0]), none = splat(static_cast<int32_t>(kNoSurface));
   M same = mask_of(kAll);
   for (int i = 0; i < kTilePixels; i += kLanes)
     same = same & equal(load(ids + i), first) & (load(z + i) > splat(f.clear_z));
-  const bool one = id[0] != kNoSurface && bits(same) == kAll;
+  int32_t& throughout = span.throughout[span.tiles];
+  if (id[0] != kNoSurface && bits(same) == kAll) {
+    throughout = place_in_span(span, id[0]);
+    if (throughout < 0) return false;
+    for (int i = 0; i < kTilePixels; i += kLanes) store(which + i, splat(throughout));
+    ++span.tiles;
+    return true;
+  }
+  throughout = tile_shows_nothing;
   for (int i = 0; i < kTilePixels; i += kLanes) {
     const I here = load(ids + i);
     I places = splat(-1);
-    uint32_t left = one ? kAll : bits(load(z + i) > splat(f.clear_z)) & ~bits(equal(here, none));
+    uint32_t left = bits(load(z + i) > splat(f.clear_z)) & ~bits(equal(here, none));
+    if (left != 0) throughout = tile_shows_several;
     while (left != 0) {
       const uint32_t next = id[i + __builtin_ctz(left)];
       const int32_t place = place_in_span(span, next);
@@ -107,11 +126,12 @@ PROMENADE_INLINE void ask_for_vertices(const Item& item, uint32_t id) {
   if (item.vertices == nullptr) return;
   for (uint64_t i = 0; i < 3; ++i) ask_for(vertex_of(item, 3 * static_cast<uint64_t>(id - item.first_id) + i));
 }
-/// A triangle's corners lie in one block.
 PROMENADE_INLINE void ask_for_positions(const Item& item, uint32_t id) {
   if (item.vertices == nullptr) return;
-  const uint32_t place = *vertex_of(item, 3 * static_cast<uint64_t>(id - item.first_id));
-  ask_for(item.x + place), ask_for(item.y + place), ask_for(item.z + place);
+  for (uint64_t i = 0; i < 3; ++i) {
+    const uint32_t place = *vertex_of(item, 3 * static_cast<uint64_t>(id - item.first_id) + i);
+    ask_for(item.x + place), ask_for(item.y + place), ask_for(item.z + place);
+  }
 }
 
 /// Ask for what fetch_triangle will read of all triangles at once, because they lie anywhere in memory: first for their
@@ -132,14 +152,24 @@ float number_of_surface(SpanTriangles& t, const Surface* surface) {
   return static_cast<float>(t.surface_count++);
 }
 
-/// Colours and normals of a triangle whose corners differ; `color` holds the material's.
-void fetch_corners(const Shading& s, const Item& item, const uint32_t* const* vertex, SpanTriangles& t, int32_t k) {
+/// Whether a triangle's corners have the same word there; 0: none.
+PROMENADE_INLINE bool corners_agree(const uint32_t* const* vertex, uint32_t at) {
+  return at == 0 || (vertex[0][at] == vertex[1][at] && vertex[0][at] == vertex[2][at]);
+}
+
+/// Colours and normals of a triangle's corners; `color` holds the material's. False: its corners' lit colours may
+/// differ.
+bool fetch_corners(const Shading& s, const Item& item, const uint32_t* const* vertex, SpanTriangles& t, int32_t k) {
   const float material[3] = {t.color[0][0][k], t.color[0][1][k], t.color[0][2][k]};
-  for (int v = 0; v < 3; ++v) {
+  const bool one_color = corners_agree(vertex, item.color_at), one_normal = corners_agree(vertex, item.normal_at);
+  for (int v = 0; v < (one_color ? 1 : 3); ++v)
     for (int c = 0; c < 3; ++c)
       t.color[v][c][k] =
           item.color_at != 0 ? material[c] * s.linear_of_srgb[vertex[v][item.color_at] >> (8 * c) & 255U] : material[c];
-    if (item.normal_at == 0) continue;
+  if (one_color)
+    for (int c = 0; c < 3; ++c) t.color[1][c][k] = t.color[2][c][k] = t.color[0][c][k];
+  const bool bare = item.normal_at == 0 || (one_normal && vertex[0][item.normal_at] == kNoNormal);
+  for (int v = 0; v < (bare ? 0 : 3); ++v) {
     float n[3];
     normal_of(item, vertex[v], n);
     if (n[0] != 0 || n[1] != 0 || n[2] != 0) t.smooth[k] = 1;
@@ -148,6 +178,7 @@ void fetch_corners(const Shading& s, const Item& item, const uint32_t* const* ve
           item.placed ? (item.normal_rows[c][0] * n[0] + item.normal_rows[c][1] * n[1]) + item.normal_rows[c][2] * n[2]
                       : n[c];
   }
+  return one_color && one_normal;
 }
 
 /// Brings one triangle's corners into the span's arrays; false: its corners' colours may differ.
@@ -179,8 +210,7 @@ PROMENADE_INLINE bool fetch_triangle(const Shading& s, uint32_t id, SpanTriangle
       for (int c = 0; c < 2; ++c) t.uv[v][c][k] = texcoord_of(item, vertex[v], c);
   }
   if (item.normal_at == 0 && item.color_at == 0) return true;
-  fetch_corners(s, item, vertex, t, k);
-  return false;
+  return fetch_corners(s, item, vertex, t, k);
 }
 
 /// Brings all of a span's triangles into its arrays.
@@ -189,6 +219,7 @@ void fetch_triangles(const Shading& s, const Span& span, SpanTriangles& t) {
   uint64_t flat = 0;
   for (int32_t k = 0; k < span.count; ++k) flat |= (fetch_triangle(s, span.id[k], t, k) ? uint64_t(1) : 0) << k;
   t.varying = flat != (span.count == 64 ? ~uint64_t(0) : (uint64_t(1) << span.count) - 1);
+  t.flat = flat;
   if (!t.varying) return;
   for (; flat != 0; flat &= flat - 1) {
     const int k = __builtin_ctzll(flat);

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -94,6 +95,8 @@ namespace {
 struct SmoothRoom {
   std::vector<uint8_t> strength;
   std::vector<uint32_t> counts;
+  std::vector<size_t> first;  ///< of each row of tiles and of what would follow, into `smoothed`
+  std::vector<raster_kernel::Smoothed> smoothed;
 };
 
 /// The least strength, and at least `least`, that no more than `most` pixels have.
@@ -109,46 +112,79 @@ int threshold_of(std::span<const uint32_t> counts, int least, uint64_t most) {
   return at + 1;  // 256: none
 }
 
+/// How many pixels of at least that strength lie in the rows before each, and in all of them.
+std::vector<size_t> first_of_rows(std::span<const uint32_t> counts, int least) {
+  std::vector<size_t> first{0};
+  for (size_t row = 0; row < counts.size(); row += raster_kernel::kStrengths) {
+    const auto of_row = counts.subspan(row, raster_kernel::kStrengths).subspan(static_cast<size_t>(least));
+    first.push_back(std::accumulate(of_row.begin(), of_row.end(), first.back()));
+  }
+  return first;
+}
+
 }  // namespace
 
-void smooth_edges(const VisibilityBuffer& buffer, const ShadeOptions& options, const Image& in, Image& out) {
+void smooth_edges(const VisibilityBuffer& buffer, const ShadeOptions& options, Image& picture) {
   const VisibilityBuffer::State& state = buffer.state();
-  size_like(buffer, out);
-  const Shading s = shading_of(state, options, out);
+  const Shading s = shading_of(state, options, picture);
   const raster_kernel::Kernels& kernels = kernels_of(options.simd);
   const auto rows = static_cast<size_t>(state.frame.tiles_y);
   thread_local SmoothRoom kept;
   SmoothRoom& room = kept;  // the caller's, also on other threads
   raster_kernel::Smoothing smoothing = {};
-  smoothing.in = reinterpret_cast<const uint32_t*>(in.pixels.data()), smoothing.out = s.out;
+  smoothing.in = s.out;
   smoothing.stride = state.frame.width + raster_kernel::kSmoothPadding;
   room.strength.resize(size_t(smoothing.stride) * buffer.height_px());
   room.counts.resize(rows * raster_kernel::kStrengths);
   smoothing.strength = room.strength.data(), smoothing.counts = room.counts.data();
-  run_parallel(options.threads, rows, [&](size_t row) {
+  const auto with_room = [&smoothing] {
     thread_local std::vector<int32_t> ids;
     ids.resize(size_t(smoothing.stride) * raster_kernel::kSmoothRows);
     raster_kernel::Smoothing here = smoothing;
     here.room = ids.data();
-    kernels.find_edges(state.frame, here, static_cast<int32_t>(row));
-  });
+    return here;
+  };
+  smoothing.least_difference = std::clamp(options.edge_difference, 1, 255);
+  run_parallel(options.threads, rows,
+               [&](size_t row) { kernels.find_edges(state.frame, with_room(), static_cast<int32_t>(row)); });
   const uint64_t most = std::max<uint64_t>(
       options.least_smoothed_px,
-      static_cast<uint64_t>(std::clamp(options.most_smoothed, 0.0F, 1.0F) * static_cast<float>(in.pixels.size())));
-  smoothing.least_difference = threshold_of(room.counts, std::clamp(options.edge_difference, 1, 255), most);
-  run_parallel(options.threads, rows,
-               [&](size_t row) { kernels.smooth(state.frame, s, smoothing, static_cast<int32_t>(row)); });
+      static_cast<uint64_t>(std::clamp(options.most_smoothed, 0.0F, 1.0F) * static_cast<float>(picture.pixels.size())));
+  smoothing.least_difference = threshold_of(room.counts, smoothing.least_difference, most);
+  room.first = first_of_rows(room.counts, smoothing.least_difference);
+  room.smoothed.resize(room.first.back());
+  run_parallel(options.threads, rows, [&](size_t row) {
+    raster_kernel::Smoothing here = with_room();
+    here.smoothed = room.smoothed.data() + room.first[row];
+    kernels.smooth(state.frame, s, here, static_cast<int32_t>(row));
+  });
+  run_parallel(options.threads, rows, [&](size_t row) {
+    for (size_t i = room.first[row]; i < room.first[row + 1]; ++i) s.out[room.smoothed[i].at] = room.smoothed[i].color;
+  });
+}
+
+void smooth_edges(const VisibilityBuffer& buffer, const ShadeOptions& options, const Image& in, Image& out) {
+  size_like(buffer, out);
+  std::copy(in.pixels.begin(), in.pixels.end(), out.pixels.begin());
+  smooth_edges(buffer, options, out);
 }
 
 void blend_layers(std::span<const VisibilityBuffer* const> layers, const ShadeOptions& options, Image& picture) {
   if (layers.empty()) return;
-  const VisibilityBuffer::State& state = layers[0]->state();
+  const VisibilityBuffer::State& state = layers[0]->state();  // where it has nothing, none has
   const Shading s = shading_of(state, options, picture);
   std::vector<raster_kernel::Layer> planes;
   for (const VisibilityBuffer* layer : layers) planes.push_back({layer->state().z.data(), layer->state().id.data()});
   const raster_kernel::Kernels& kernels = kernels_of(options.simd);
   run_parallel(options.threads, static_cast<size_t>(state.frame.tiles_y), [&](size_t row) {
-    kernels.shade_layers(state.frame, s, planes.data(), static_cast<int32_t>(planes.size()), static_cast<int32_t>(row));
+    const auto ty = static_cast<int32_t>(row);
+    raster_kernel::Layers here = {planes.data(), static_cast<int32_t>(planes.size()), state.frame.tiles_x, 0};
+    for (size_t i = 0; i < state.regions.size(); ++i) {
+      const raster_kernel::Region& r = state.regions[i];
+      if (state.blank[i] == 0 && ty >= r.ty0 && ty < r.ty1)
+        here.tx0 = std::min(here.tx0, r.tx0), here.tx1 = std::max(here.tx1, r.tx1);
+    }
+    if (here.tx0 < here.tx1) kernels.shade_layers(state.frame, s, here, ty);
   });
 }
 

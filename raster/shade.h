@@ -8,8 +8,7 @@
 // blended over it afterwards, layer by layer. The whole of it:
 //
 //   solid.draw(view, items, {.draw_blended = false});   layers[0].draw_layer(solid, nullptr, items); ...
-//   shade(solid, options, plain);   smooth_edges(solid, options, plain, picture);   blend_layers(layers, options,
-//   picture);
+//   shade(solid, options, picture);   smooth_edges(solid, options, picture);   blend_layers(layers, options, picture);
 
 #include <glm/vec3.hpp>
 
@@ -50,10 +49,12 @@ struct ShadeOptions {
 /// surfaces must still live. Meshes prepared without attributes are lit from nowhere in particular.
 void shade(const VisibilityBuffer& buffer, const ShadeOptions& options, Image& out);
 
-/// The picture `in` that shade made of the buffer, with the borders between differently coloured triangles antialiased:
+/// The picture that shade made of the buffer, with the borders between differently coloured triangles antialiased:
 /// where a pixel's neighbours show other triangles, 16 places in it are asked which of these triangles covers them
-/// nearest (their own edges, depths and holes), and the colours that the pixels have are mixed. `in` and `out` are two
-/// images. Fading meshes and screen doors keep their pixels.
+/// nearest (their own edges, depths and holes), and the colours that the pixels have are mixed. Fading meshes and
+/// screen doors keep their pixels.
+void smooth_edges(const VisibilityBuffer& buffer, const ShadeOptions& options, Image& picture);
+/// The same of `in`, which stays as it is; `in` and `out` are two images.
 void smooth_edges(const VisibilityBuffer& buffer, const ShadeOptions& options, const Image& in, Image& out);
 
 /// Blends layers of VisibilityBuffer::draw_layer, the nearest first, all of one picture and the same items, over it.

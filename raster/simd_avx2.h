@@ -78,6 +78,9 @@ PROMENADE_INLINE I difference_of_bytes(I a, I b) {
 PROMENADE_INLINE F abs(F a) { return {_mm256_and_ps(a.v, _mm256_castsi256_ps(_mm256_set1_epi32(INT32_MAX)))}; }
 PROMENADE_INLINE I abs(I a) { return {_mm256_abs_epi32(a.v)}; }
 
+/// The chosen lanes to p; the others stay.
+PROMENADE_INLINE void store_chosen(int32_t* p, M m, I a) { store(p, select(m, a, load(p))); }
+
 PROMENADE_INLINE uint32_t bits(M m) { return static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(m.v))); }
 PROMENADE_INLINE M mask_of(uint32_t b) {
   const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);

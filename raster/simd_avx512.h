@@ -75,6 +75,9 @@ PROMENADE_INLINE I difference_of_bytes(I a, I b) {
 PROMENADE_INLINE F abs(F a) { return {_mm512_abs_ps(a.v)}; }
 PROMENADE_INLINE I abs(I a) { return {_mm512_abs_epi32(a.v)}; }
 
+/// The chosen lanes to p; the others stay.
+PROMENADE_INLINE void store_chosen(int32_t* p, M m, I a) { _mm512_mask_storeu_epi32(p, m.v, a.v); }
+
 PROMENADE_INLINE uint32_t bits(M m) { return m.v; }
 PROMENADE_INLINE M mask_of(uint32_t b) { return {static_cast<__mmask16>(b)}; }
 

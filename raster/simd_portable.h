@@ -100,6 +100,9 @@ PROMENADE_INLINE F abs(F a) {
 }
 PROMENADE_INLINE I abs(I a) { return select(a < splat(0), splat(0) - a, a); }
 
+/// The chosen lanes to p; the others stay.
+PROMENADE_INLINE void store_chosen(int32_t* p, M m, I a) { store(p, select(m, a, load(p))); }
+
 PROMENADE_INLINE uint32_t bits(M m) {
   return (uint32_t(m.v[0]) & 1U) | (uint32_t(m.v[1]) & 2U) | (uint32_t(m.v[2]) & 4U) | (uint32_t(m.v[3]) & 8U);
 }

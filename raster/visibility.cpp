@@ -139,6 +139,29 @@ void half_of(const Box& box, float* center, float* half) {
 
 namespace {
 
+/// The same for a layer of what is seen through: only its blocks that are, which are the mesh's last.
+Item blended_item_of(const RasterItem& drawn, const RasterView& view) {
+  const std::vector<raster_kernel::Block>& blocks = drawn.mesh->blocks;
+  size_t first = blocks.size();
+  while (first > 0 && (blocks[first - 1].flags & raster_kernel::block_blended) != 0) --first;
+  if (first == blocks.size()) return {};
+  Item item = item_of(drawn, view);
+  item.blocks += first, item.block_count -= std::min(item.block_count, static_cast<uint32_t>(first));
+  return item;
+}
+
+/// What the item's blocks lie in, in the mesh's frame.
+Box box_of(const Item& item) {
+  Box box;
+  for (uint32_t i = 0; i < item.block_count; ++i) {
+    const raster_kernel::Block& b = item.blocks[i];
+    const glm::vec3 center(b.box_center[0], b.box_center[1], b.box_center[2]),
+        half(b.box_half[0], b.box_half[1], b.box_half[2]);
+    box.add(center - half), box.add(center + half);
+  }
+  return box;
+}
+
 /// Ids in the order of (node, place in the list), a whole number of runs each.
 Status number_items(VisibilityBuffer::State& s, std::span<const RasterItem> items) {
   std::vector<uint32_t> order(items.size());
@@ -166,12 +189,12 @@ struct Seen {
 
 /// The items in the picture, from near to far.
 std::vector<Seen> items_in_view(const VisibilityBuffer::State& s, std::span<const RasterItem> items,
-                                const Kernels& kernels) {
+                                const Kernels& kernels, bool layer) {
   std::vector<Seen> seen;
   for (uint32_t i = 0; i < items.size(); ++i) {
     if (s.items[i].block_count == 0) continue;
     float center[3], half[3];
-    half_of(items[i].mesh->box, center, half);
+    half_of(layer ? box_of(s.items[i]) : items[i].mesh->box, center, half);
     const Seen one = {kernels.project_box(s.frame, s.items[i], center, half), i};
     if (!one.box.culled) seen.push_back(one);
   }
@@ -219,7 +242,13 @@ void size_planes(VisibilityBuffer::State& s, unsigned threads) {
   const size_t pixels = size_t(s.frame.tiles_x) * size_t(s.frame.tiles_y) * raster_kernel::kTilePixels;
   s.z.resize(pixels), s.id.resize(pixels);
   s.frame.z = s.z.data(), s.frame.id = s.id.data();
-  s.regions = regions_of(s.frame, threads);
+  std::vector<Region> regions = regions_of(s.frame, threads);
+  const auto same = [](const Region& a, const Region& b) {
+    return a.tx0 == b.tx0 && a.ty0 == b.ty0 && a.tx1 == b.tx1 && a.ty1 == b.ty1;
+  };
+  if (!std::equal(regions.begin(), regions.end(), s.regions.begin(), s.regions.end(), same))
+    s.blank.assign(regions.size(), 0);
+  s.regions = std::move(regions);
   size_t tiles = 0;
   for (const Region& r : s.regions) tiles += size_t(r.stride) * size_t(r.ty1 - r.ty0);
   s.hz.resize(tiles), s.dirty.resize(tiles);
@@ -231,6 +260,56 @@ void size_planes(VisibilityBuffer::State& s, unsigned threads) {
 }
 
 raster_kernel::Coverage coverage_of(PixelRule rule) { return static_cast<raster_kernel::Coverage>(rule); }
+
+/// The part of a region that the boxes lie in; none of it: tx0 >= tx1.
+Region part_of(const Region& r, std::span<const Seen> seen) {
+  Region part = r;
+  part.tx0 = r.tx1, part.ty0 = r.ty1, part.tx1 = r.tx0, part.ty1 = r.ty0;
+  for (const Seen& one : seen) {
+    if (!overlaps(r, one.box)) continue;
+    part.tx0 = std::min(part.tx0, std::max(r.tx0, one.box.x0 / kTile));
+    part.ty0 = std::min(part.ty0, std::max(r.ty0, one.box.y0 / kTile));
+    part.tx1 = std::max(part.tx1, std::min(r.tx1, one.box.x1 / kTile + 1));
+    part.ty1 = std::max(part.ty1, std::min(r.ty1, one.box.y1 / kTile + 1));
+  }
+  return part;
+}
+
+/// Lets a region of a layer begin behind nothing and, in its `part`, before the solid surfaces.
+void begin_layer(VisibilityBuffer::State& s, const VisibilityBuffer::State& solid, size_t region, const Region& part) {
+  const Region& r = s.regions[region];
+  const auto place = [&s](int32_t tx, int32_t ty) {
+    return (size_t(ty) * size_t(s.frame.tiles_x) + size_t(tx)) * raster_kernel::kTilePixels;
+  };
+  const auto pixels = [](const Region& of) { return size_t(of.tx1 - of.tx0) * raster_kernel::kTilePixels; };
+  const size_t tiles = size_t(r.stride) * size_t(r.ty1 - r.ty0);
+  std::fill_n(r.hz, tiles, s.frame.clear_z);
+  std::fill_n(r.dirty, tiles, uint8_t(1));  // what is farthest is found where it is asked for
+  if (s.blank[region] == 0)
+    for (int32_t ty = r.ty0; ty < r.ty1; ++ty)
+      std::fill_n(&s.id[place(r.tx0, ty)], pixels(r), raster_kernel::kNoSurface);
+  s.blank[region] = 1;
+  if (part.tx0 >= part.tx1) return;
+  for (int32_t ty = part.ty0; ty < part.ty1; ++ty)
+    std::copy_n(&solid.z[place(part.tx0, ty)], pixels(part), &s.z[place(part.tx0, ty)]);
+}
+
+/// Draws a layer's region; what lies behind a layer that is empty there is empty, too.
+void draw_layer_region(VisibilityBuffer::State& s, const VisibilityBuffer::State& solid,
+                       const VisibilityBuffer::State* before, const Kernels& kernels, std::span<const Seen> seen,
+                       size_t region, const VisibilityOptions& options) {
+  Region& r = s.regions[region];
+  const bool behind_nothing =
+      before != nullptr && before->regions.size() == s.regions.size() && before->blank[region] != 0;
+  Region part = part_of(r, behind_nothing ? std::span<const Seen>() : seen);
+  part.counts = {};
+  begin_layer(s, solid, region, part);
+  if (part.tx0 < part.tx1)
+    for (const Seen& one : seen)
+      if (overlaps(part, one.box)) kernels.draw(s.frame, s.items[one.item], one.box, part, coverage_of(options.rule));
+  r.counts = part.counts;
+  s.blank[region] = part.counts.triangles_drawn == 0 ? 1 : 0;
+}
 
 }  // namespace
 
@@ -329,24 +408,28 @@ Status VisibilityBuffer::draw_over(const RasterView& view, const State* solid, c
   s.kernels = nullptr;  // until the picture is whole
   s.view = view, s.stats = {}, s.frame = frame_of(view, options);
   s.items.clear(), s.nodes.clear();
-  for (const RasterItem& item : items) s.items.push_back(item_of(item, view)), s.nodes.push_back(item.node);
+  for (const RasterItem& item : items) {
+    s.items.push_back(solid == nullptr ? item_of(item, view) : blended_item_of(item, view));
+    s.nodes.push_back(item.node);
+  }
   PROMENADE_TRY(number_items(s, items));
   if (solid != nullptr) {
     s.frame.draw_solid = false, s.frame.draw_blended = true, s.frame.screen_door = false;
-    s.z = solid->z;
     if (before != nullptr) s.frame.before_z = before->z.data(), s.frame.before_id = before->id.data();
   }
-  const std::vector<Seen> seen = items_in_view(s, items, kernels);
+  const std::vector<Seen> seen = items_in_view(s, items, kernels, solid != nullptr);
   s.stats.items = items.size(), s.stats.items_in_view = seen.size();
   size_planes(s, thread_count(options.threads));
   s.stats.cull_ms = ms_since(start);
 
   const Clock::time_point drawing = Clock::now();
   run_parallel(options.threads, s.regions.size(), [&](size_t i) {
+    if (solid != nullptr) return draw_layer_region(s, *solid, before, kernels, seen, i, options);
     Region& r = s.regions[i];
-    (solid == nullptr ? kernels.clear : kernels.clear_layer)(s.frame, r);
+    kernels.clear(s.frame, r);
     for (const Seen& one : seen)
       if (overlaps(r, one.box)) kernels.draw(s.frame, s.items[one.item], one.box, r, coverage_of(options.rule));
+    s.blank[i] = 0;
   });
   for (const Region& r : s.regions) add(s.stats, r.counts);
   s.kernels = &kernels;

@@ -22,6 +22,7 @@ struct VisibilityBuffer::State {
   std::vector<uint8_t> dirty;
   std::vector<raster_kernel::GapTile> gap_tiles;
   std::vector<raster_kernel::Region> regions;
+  std::vector<uint8_t> blank;  ///< of each region, layers only: all of its ids say that nothing is there
   const raster_kernel::Kernels* kernels = nullptr;  ///< that drew it; null: there is no picture
   std::vector<raster_kernel::Item> items;           ///< as the caller listed them
   std::vector<uint32_t> nodes;

@@ -166,11 +166,13 @@ class CpuRenderer final : public Renderer {
   uint64_t frame_bytes(uint32_t width_px, uint32_t height_px, bool see_through) const override {
     const uint64_t padded = (uint64_t(width_px) + 7) / 8 * 8 * ((uint64_t(height_px) + 7) / 8 * 8);
     // Depth, id and the farthest depths of the tiles with their borders, of the solid picture and each layer; the
-    // picture before and after its edges are smoothed, and how much its pixels differ; what each tile shows.
+    // picture, how much its pixels differ, and those of its edges before all are known; what each tile shows.
     const uint64_t differences = (uint64_t(width_px) + raster_kernel::kSmoothPadding) * height_px +
                                  (uint64_t(height_px) + 7) / 8 * raster_kernel::kStrengths * sizeof(uint32_t);
-    return (1 + (see_through ? kMostLayers : 0)) * (padded * 8 + padded / 4) + 2 * uint64_t(width_px) * height_px * 4 +
-           differences + padded / 8;
+    const uint64_t pixels = uint64_t(width_px) * height_px;
+    const uint64_t smoothed = std::min(pixels, std::max<uint64_t>(ShadeOptions{}.least_smoothed_px, pixels / 20));
+    return (1 + (see_through ? kMostLayers : 0)) * (padded * 8 + padded / 4) + pixels * 4 +
+           smoothed * sizeof(raster_kernel::Smoothed) + differences + padded / 8;
   }
 
   Status draw(const FrameView& view, std::span<const DrawItem> items) override;
@@ -195,7 +197,7 @@ class CpuRenderer final : public Renderer {
   std::vector<RasterItem> items_;
   VisibilityBuffer solid_;                            ///< what is not seen through
   std::array<VisibilityBuffer, kMostLayers> layers_;  ///< what is, the nearest first
-  Image plain_, image_;
+  Image image_;
   DrawCounts counts_;
 };
 
@@ -222,12 +224,8 @@ Status CpuRenderer::draw(const FrameView& view, std::span<const DrawItem> items)
   PROMENADE_TRY(solid_.draw(perspective_view(view.camera, view.model_origin), items_, visibility_options()));
   counts_ = {solid_.stats().triangles_drawn, solid_.stats().items_drawn};
   const ShadeOptions shading = shading_of(view, options_);
-  if (options_.smooth_edges) {
-    shade(solid_, shading, plain_);
-    smooth_edges(solid_, shading, plain_, image_);
-  } else {
-    shade(solid_, shading, image_);
-  }
+  shade(solid_, shading, image_);
+  if (options_.smooth_edges) smooth_edges(solid_, shading, image_);
   if (blended) PROMENADE_TRY(draw_layers(shading));
   drawn_ = true;
   return Done{};

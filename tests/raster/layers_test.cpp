@@ -180,6 +180,41 @@ TEST(Layers, all_processors_and_threads_give_the_same_bytes) {
   }
 }
 
+TEST(Layers, drawn_into_once_more_show_nothing_of_before) {
+  Panes panes({{200, 200, 200, 255}, {255, 0, 0, 128}, {0, 255, 0, 64}});
+  std::vector<RasterItem> aside = panes.items;
+  for (RasterItem& item : aside) item.model_from_mesh = glm::dmat4(1.0), (*item.model_from_mesh)[3].x = 9;
+  const RasterView large = view_from_above(203, 20), small = view_from_above(150, 13);
+  const auto same = [](const VisibilityBuffer& kept, const VisibilityBuffer& fresh) {
+    EXPECT_EQ(nodes_of(kept), nodes_of(fresh));
+    for (uint32_t y = 0; y < kept.height_px(); ++y)
+      for (uint32_t x = 0; x < kept.width_px(); ++x) ASSERT_EQ(kept.depth_m(x, y), fresh.depth_m(x, y));
+  };
+  VisibilityBuffer solid, first, second;
+  const std::vector<RasterItem> none(panes.items.begin(), panes.items.begin() + 1);
+  for (const auto& [view, items] : {std::pair(large, panes.items),
+                                    {large, aside},
+                                    {small, panes.items},
+                                    {large, none},
+                                    {small, aside},
+                                    {small, panes.items},
+                                    {large, panes.items}})
+    for (const unsigned threads : {1U, 2U}) {
+      VisibilityOptions options = one_thread();
+      options.threads = threads, options.draw_blended = false;
+      ASSERT_TRUE(solid.draw(view, items, options).ok());
+      ASSERT_TRUE(first.draw_layer(solid, nullptr, items, options).ok());
+      ASSERT_TRUE(second.draw_layer(solid, &first, items, options).ok());
+      VisibilityBuffer fresh_first, fresh_second;
+      ASSERT_TRUE(fresh_first.draw_layer(solid, nullptr, items, one_thread()).ok());
+      ASSERT_TRUE(fresh_second.draw_layer(solid, &fresh_first, items, one_thread()).ok());
+      same(first, fresh_first), same(second, fresh_second);
+      const bool seen = items.size() > 1 && !items[0].model_from_mesh;
+      EXPECT_EQ(first.node(view.width_px / 2, view.height_px / 2), seen ? 2U : kNoTriangle);
+      EXPECT_EQ(second.node(view.width_px / 2, view.height_px / 2), seen ? 1U : kNoTriangle);
+    }
+}
+
 TEST(Layers, refuse_to_go_before_a_picture_that_is_not_there) {
   VisibilityBuffer none, layer;
   EXPECT_FALSE(layer.draw_layer(none, nullptr, {}, one_thread()).ok());

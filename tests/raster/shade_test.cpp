@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 
 #include "scenes.h"
@@ -165,6 +166,35 @@ TEST(Shade, vertex_colors_are_multiplied_by_the_material_s_and_mixed_by_place) {
             << x << ", " << y << ", " << c;
       }
     }
+}
+
+TEST(Shade, a_triangle_of_one_colour_has_it_at_all_of_its_pixels) {
+  Scene scene = wall(chequers(2, 1), 3);
+  scene.materials[0].texture = kNoTexture;
+  scene.surfaces = std::make_unique<SurfaceTable>(scene.materials, std::span<const MipTexture* const>());
+  Random random(4);
+  for (uint32_t i = 0; i < 30; ++i) {
+    Mesh mesh = scene.meshes[0];  // of two triangles: one painted from corner to corner, one of one colour
+    const glm::u8vec4 own(random.below(256), random.below(256), random.below(256), 255);
+    mesh.colors.assign(6, own);
+    mesh.colors[1] = {9, 200, 90, 255};
+    const PreparedMesh prepared = *prepare(mesh, scene.materials);
+    scene.items = {{&prepared, 0, scene.surfaces.get(), {}}};
+    const RasterView view = perspective_view(along_y(90), glm::dvec3(0));
+    VisibilityBuffer buffer;
+    ASSERT_TRUE(buffer.draw(view, scene.items).ok());
+    Image image;
+    shade(buffer, even_light(), image);
+    std::optional<glm::u8vec4> first;
+    for (uint32_t y = 0; y < 90; ++y)
+      for (uint32_t x = 0; x < 90; ++x) {
+        if (buffer.triangle(x, y) != 1) continue;
+        if (!first) first = image.at(x, y);
+        ASSERT_EQ(image.at(x, y), *first);
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(image.at(x, y)[c], own[c], 1);
+      }
+    EXPECT_TRUE(first.has_value());
+  }
 }
 
 TEST(Shade, through_holes_one_sees_what_is_behind) {

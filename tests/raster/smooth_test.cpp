@@ -174,6 +174,18 @@ TEST(SmoothEdges, no_more_pixels_than_asked_for_change) {
   EXPECT_EQ(changed(pictures(view, scene.items, some)), 0U);
 }
 
+TEST(SmoothEdges, in_place_gives_the_same_as_into_another_picture) {
+  const Scene scene = leaning_faces();
+  VisibilityBuffer buffer;
+  ASSERT_TRUE(buffer.draw(view_from_above(160, 20), scene.items).ok());
+  Image picture, smooth;
+  shade(buffer, even_light(), picture);
+  smooth_edges(buffer, even_light(), picture, smooth);
+  EXPECT_NE(picture.pixels, smooth.pixels);
+  smooth_edges(buffer, even_light(), picture);
+  EXPECT_EQ(picture.pixels, smooth.pixels);
+}
+
 TEST(SmoothEdges, pictures_of_any_small_size_do) {
   const Scene scene = leaning_faces();
   for (uint32_t w = 1; w < 20; w += 3)
