@@ -100,7 +100,8 @@ uint32_t nearest(const TriangleFrames* frames, size_t groups, const float* point
     const float least2 = least(d2);
     if (!(least2 < best2)) continue;
     best2 = least2;
-    best = static_cast<uint32_t>(g * kLanes) + static_cast<uint32_t>(__builtin_ctz(bits(less_or_equal(d2, splat(least2)))));
+    best = static_cast<uint32_t>(g * kLanes) +
+           static_cast<uint32_t>(__builtin_ctz(bits(less_or_equal(d2, splat(least2)))));
   }
   distance2 = best2;
   return best;
