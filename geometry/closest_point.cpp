@@ -312,16 +312,16 @@ float ClosestPointTree::distance2_to(uint32_t triangle, const glm::vec3& p) cons
 
 void ClosestPointTree::distances2_to(uint32_t triangle, std::span<const glm::vec3> points, float* distances2_m2) const {
   const uint32_t slot = slot_of_triangle_[triangle];
-  PointLanes lanes;
+  PointLanes lanes{};  // spare lanes keep what was there, and are not looked at
   alignas(32) float d2[kLanes];
   for (size_t first = 0; first < points.size(); first += kLanes) {
     const size_t count = std::min(points.size() - first, kLanes);
-    for (size_t i = 0; i < kLanes; ++i) {  // spare lanes repeat the last point
-      const glm::vec3& p = points[first + std::min(i, count - 1)];
+    for (size_t i = 0; i < count; ++i) {
+      const glm::vec3& p = points[first + i];
       lanes.x[i] = p.x, lanes.y[i] = p.y, lanes.z[i] = p.z;
     }
     triangle_kernels().distances_of(blocks_[slot / kLanes], slot % kLanes, lanes, d2);
-    std::copy_n(d2, count, distances2_m2 + first);
+    for (size_t i = 0; i < count; ++i) distances2_m2[first + i] = d2[i];
   }
 }
 
