@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <numeric>
 
@@ -40,18 +41,20 @@ struct WideBox {
   }
 };
 
+/// Where the register lies in memory it is read from there.
+float along(const __m128& v, int axis) {
+  float value = 0;
+  std::memcpy(&value, reinterpret_cast<const char*>(&v) + sizeof(float) * static_cast<size_t>(axis), sizeof value);
+  return value;
+}
+
 /// What the tree knows of a triangle while it is built.
 struct Item {
   WideBox box;  // with the triangle's number in the first fourth lane
   uint32_t triangle() const { return static_cast<uint32_t>(_mm_extract_epi32(_mm_castps_si128(box.min), 3)); }
   __m128 doubled_center() const { return _mm_add_ps(box.min, box.max); }
+  float doubled_center(int axis) const { return along(box.min, axis) + along(box.max, axis); }
 };
-
-float along(__m128 v, int axis) {
-  alignas(16) float c[4];
-  _mm_store_ps(c, v);
-  return c[axis];
-}
 
 struct Range {
   uint32_t begin, end;
@@ -68,11 +71,12 @@ struct ClosestPointTree::Builder {
   std::span<const uint32_t> indices;
   std::vector<Item> items;
   std::vector<Item> upper_items;  // scratch
+  std::vector<uint8_t> bins;      // of items, in the cut at hand
 
   Builder(ClosestPointTree& to, std::span<const glm::vec3> p, std::span<const uint32_t> i)
       : tree(to), positions(p), indices(i) {
     const auto count = static_cast<uint32_t>(indices.size() / 3);
-    items.resize(count), upper_items.resize(count);
+    items.resize(count), upper_items.resize(count), bins.resize(count);
     WideBox all;
     for (uint32_t t = 0; t < count; ++t) {
       WideBox box;
@@ -103,7 +107,7 @@ struct ClosestPointTree::Builder {
     const uint32_t middle = range.begin + range.size() / 2;
     const auto first = items.begin();
     std::nth_element(first + range.begin, first + middle, first + range.end, [axis](const Item& a, const Item& b) {
-      const float a_at = along(a.doubled_center(), axis), b_at = along(b.doubled_center(), axis);
+      const float a_at = a.doubled_center(axis), b_at = b.doubled_center(axis);
       return a_at != b_at ? a_at < b_at : a.triangle() < b.triangle();
     });
     return {Range{range.begin, middle, box_of(range.begin, middle)},
@@ -121,18 +125,16 @@ struct ClosestPointTree::Builder {
     const float extent = box.max[axis] - low;
     const float scale = float(kBins) * 0.9999F / extent;
     if (balanced || !(extent > 0) || !std::isfinite(scale)) return cut_at_median(range, axis);
-    const __m128 pick = _mm_castsi128_ps(_mm_setr_epi32(-int(axis == 0), -int(axis == 1), -int(axis == 2), 0));
-    const auto bin_of = [&](const Item& item) {
-      const __m128 at = _mm_and_ps(item.doubled_center(), pick);  // one lane is not 0
-      const float value = _mm_cvtss_f32(_mm_or_ps(_mm_or_ps(at, _mm_movehl_ps(at, at)), _mm_shuffle_ps(at, at, 1)));
-      return std::min(static_cast<uint32_t>((value - low) * scale), uint32_t(kBins - 1));
-    };
+    for (uint32_t i = range.begin; i < range.end; ++i) {
+      const float value = items[i].doubled_center(axis);
+      bins[i] = static_cast<uint8_t>(std::min(static_cast<uint32_t>((value - low) * scale), uint32_t(kBins - 1)));
+    }
     std::array<Range, 2> halves;
-    const uint32_t bin = best_bin(range, bin_of, halves);
+    const uint32_t bin = best_bin(range, halves);
     uint32_t middle = range.begin, above = 0;
     for (uint32_t i = range.begin; i < range.end; ++i) {  // without branches: nothing could foresee them
       const Item item = items[i];
-      const uint32_t is_below = bin_of(item) < bin ? 1 : 0;
+      const uint32_t is_below = bins[i] < bin ? 1 : 0;
       items[middle] = item, upper_items[above] = item;
       middle += is_below, above += 1 - is_below;
     }
@@ -151,12 +153,11 @@ struct ClosestPointTree::Builder {
   }
 
   /// The first bin of the upper half that costs least, and the halves' boxes.
-  template <class BinOf>
-  uint32_t best_bin(const Range& range, const BinOf& bin_of, std::array<Range, 2>& halves) const {
+  uint32_t best_bin(const Range& range, std::array<Range, 2>& halves) const {
     std::array<WideBox, kBins> boxes;
     std::array<uint32_t, kBins> counts{};
     for (uint32_t i = range.begin; i < range.end; ++i) {
-      const uint32_t bin = bin_of(items[i]);
+      const uint32_t bin = bins[i];
       boxes[bin].add(items[i].box);
       ++counts[bin];
     }
@@ -307,6 +308,21 @@ float ClosestPointTree::distance2_to(uint32_t triangle, const glm::vec3& p) cons
   alignas(32) float d2[kLanes];
   triangle_kernels().distances(blocks_[slot / kLanes], &p.x, d2);
   return d2[slot % kLanes];
+}
+
+void ClosestPointTree::distances2_to(uint32_t triangle, std::span<const glm::vec3> points, float* distances2_m2) const {
+  const uint32_t slot = slot_of_triangle_[triangle];
+  PointLanes lanes{};  // spare lanes keep what was there, and are not looked at
+  alignas(32) float d2[kLanes];
+  for (size_t first = 0; first < points.size(); first += kLanes) {
+    const size_t count = std::min(points.size() - first, kLanes);
+    for (size_t i = 0; i < count; ++i) {
+      const glm::vec3& p = points[first + i];
+      lanes.x[i] = p.x, lanes.y[i] = p.y, lanes.z[i] = p.z;
+    }
+    triangle_kernels().distances_of(blocks_[slot / kLanes], slot % kLanes, lanes, d2);
+    for (size_t i = 0; i < count; ++i) distances2_m2[first + i] = d2[i];
+  }
 }
 
 ClosestPoint ClosestPointTree::closest_on(uint32_t triangle, const glm::vec3& p) const {

@@ -66,6 +66,9 @@ class ClosestPointTree {
   /// Squared distance from p to one triangle.
   float distance2_to(uint32_t triangle, const glm::vec3& p) const;
 
+  /// The same for several points at once, eight at a time. distances2_m2: as many.
+  void distances2_to(uint32_t triangle, std::span<const glm::vec3> points, float* distances2_m2) const;
+
   /// The closest point of one triangle.
   ClosestPoint closest_on(uint32_t triangle, const glm::vec3& p) const;
 

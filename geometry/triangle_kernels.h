@@ -26,6 +26,11 @@ struct alignas(32) TriangleCorners {
   float at[3][3][kLanes];  ///< by corner, axis, triangle
 };
 
+/// Eight points.
+struct alignas(32) PointLanes {
+  float x[kLanes], y[kLanes], z[kLanes];
+};
+
 /// Eight children's boxes; unused ones are empty (infinitely far away).
 struct alignas(32) BoxTreeNode {
   static constexpr uint32_t kLeafBit = 1U << 31U;
@@ -58,6 +63,8 @@ struct TriangleKernels {
   uint32_t (*nearest)(const TriangleFrames* frames, size_t groups, const float* point, float& distance2);
   /// Squared distances of a point to eight triangles. distances2: aligned to 32 bytes.
   void (*distances)(const TriangleFrames& frames, const float* point, float* distances2);
+  /// Squared distances of eight points to one of the triangles: the same bits as `distances` gives for each of them.
+  void (*distances_of)(const TriangleFrames& frames, size_t triangle, const PointLanes& points, float* distances2);
   /// Frames along the first edge of each triangle, in single precision. Degenerate triangles are segments.
   void (*make_frames)(const TriangleCorners* corners, size_t groups, TriangleFrames* frames);
   /// Goes on with a search until nothing nearer is left, or it is near enough.

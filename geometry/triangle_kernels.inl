@@ -22,22 +22,53 @@ PROMENADE_INLINE void store3(const Vectors& v, float* x, float* y, float* z) {
 PROMENADE_INLINE Lanes inverse(Lanes value) { return where(less(splat(0), value), splat(1) / value); }
 PROMENADE_INLINE Lanes clamp01(Lanes t) { return lower(upper(t, splat(0)), splat(1)); }
 
-/// Squared distances of points to eight triangles, each in its triangle's frame. Inside is judged strictly: a flat
-/// triangle has none.
-PROMENADE_INLINE Lanes distance2_in_frame(const Vectors& p, const TriangleFrames& f) {
+/// Eight triangles' frames, or one triangle's eight times.
+struct Frames {
+  Vectors origin, x, y, z;
+  Lanes base, apex_x, apex_y, inverse_left2, inverse_right2;
+};
+PROMENADE_INLINE Frames frames_of(const TriangleFrames& f) {
+  return {load3(f.origin_x, f.origin_y, f.origin_z),
+          load3(f.x_x, f.x_y, f.x_z),
+          load3(f.y_x, f.y_y, f.y_z),
+          load3(f.z_x, f.z_y, f.z_z),
+          load(f.base),
+          load(f.apex_x),
+          load(f.apex_y),
+          load(f.inverse_left2),
+          load(f.inverse_right2)};
+}
+PROMENADE_INLINE Frames frame_of(const TriangleFrames& f, size_t i) {
+  const auto axis = [i](const float* x, const float* y, const float* z) {
+    return Vectors{splat(x[i]), splat(y[i]), splat(z[i])};
+  };
+  return {axis(f.origin_x, f.origin_y, f.origin_z),
+          axis(f.x_x, f.x_y, f.x_z),
+          axis(f.y_x, f.y_y, f.y_z),
+          axis(f.z_x, f.z_y, f.z_z),
+          splat(f.base[i]),
+          splat(f.apex_x[i]),
+          splat(f.apex_y[i]),
+          splat(f.inverse_left2[i]),
+          splat(f.inverse_right2[i])};
+}
+
+/// Squared distances of points to triangles, each in its triangle's frame. Inside is judged strictly: a flat triangle
+/// has none.
+PROMENADE_INLINE Lanes distance2_in_frame(const Vectors& p, const Frames& f) {
   const Lanes x = p.x, y = p.y;
-  const Lanes base = load(f.base), apex_x = load(f.apex_x), apex_y = load(f.apex_y);
+  const Lanes base = f.base, apex_x = f.apex_x, apex_y = f.apex_y;
   const Lanes base_dx = x - lower(upper(x, splat(0)), base);
   const Lanes base2 = base_dx * base_dx + y * y;
 
-  const Lanes left_t = clamp01((x * apex_x + y * apex_y) * load(f.inverse_left2));
+  const Lanes left_t = clamp01((x * apex_x + y * apex_y) * f.inverse_left2);
   const Lanes left_dx = x - left_t * apex_x;
   const Lanes left_dy = y - left_t * apex_y;
   const Lanes left2 = left_dx * left_dx + left_dy * left_dy;
 
   const Lanes from_base = x - base;
   const Lanes edge_x = apex_x - base;
-  const Lanes right_t = clamp01((from_base * edge_x + y * apex_y) * load(f.inverse_right2));
+  const Lanes right_t = clamp01((from_base * edge_x + y * apex_y) * f.inverse_right2);
   const Lanes right_dx = from_base - right_t * edge_x;
   const Lanes right_dy = y - right_t * apex_y;
   const Lanes right2 = right_dx * right_dx + right_dy * right_dy;
@@ -48,10 +79,9 @@ PROMENADE_INLINE Lanes distance2_in_frame(const Vectors& p, const TriangleFrames
   return where_not(inside, lower(lower(base2, left2), right2)) + p.z * p.z;
 }
 
-PROMENADE_INLINE Lanes distance2_to(const TriangleFrames& f, const Vectors& p) {
-  const Vectors d = p - load3(f.origin_x, f.origin_y, f.origin_z);
-  return distance2_in_frame(
-      {dot(d, load3(f.x_x, f.x_y, f.x_z)), dot(d, load3(f.y_x, f.y_y, f.y_z)), dot(d, load3(f.z_x, f.z_y, f.z_z))}, f);
+PROMENADE_INLINE Lanes distance2_to(const Frames& f, const Vectors& p) {
+  const Vectors d = p - f.origin;
+  return distance2_in_frame({dot(d, f.x), dot(d, f.y), dot(d, f.z)}, f);
 }
 
 /// Lanes that are no number, from what was too large to be squared, count as infinitely far. Nothing here branches on
@@ -66,18 +96,24 @@ uint32_t nearest(const TriangleFrames* frames, size_t groups, const float* point
   uint32_t best = 0;
   float best2 = std::numeric_limits<float>::infinity();
   for (size_t g = 0; g < groups; ++g) {
-    const Lanes d2 = numbers(distance2_to(frames[g], p));
+    const Lanes d2 = numbers(distance2_to(frames_of(frames[g]), p));
     const float least2 = least(d2);
     if (!(least2 < best2)) continue;
     best2 = least2;
-    best = static_cast<uint32_t>(g * kLanes) + static_cast<uint32_t>(__builtin_ctz(bits(less_or_equal(d2, splat(least2)))));
+    best = static_cast<uint32_t>(g * kLanes) +
+           static_cast<uint32_t>(__builtin_ctz(bits(less_or_equal(d2, splat(least2)))));
   }
   distance2 = best2;
   return best;
 }
 
 void distances(const TriangleFrames& frames, const float* point, float* distances2) {
-  store(distances2, distance2_to(frames, splat3(point)));
+  store(distances2, distance2_to(frames_of(frames), splat3(point)));
+}
+
+void distances_of(const TriangleFrames& frames, size_t triangle, const PointLanes& points, float* distances2) {
+  const Vectors p = load3(points.x, points.y, points.z);
+  store(distances2, distance2_to(frame_of(frames, triangle), p));
 }
 
 void make_frames(const TriangleCorners* corners, size_t groups, TriangleFrames* frames) {
@@ -117,7 +153,7 @@ PROMENADE_INLINE bool is_visible(const TreeSearch& s, uint32_t triangle) {
 
 PROMENADE_INLINE void search_leaf(const TriangleBlock* block, uint32_t blocks, const Vectors& p, TreeSearch& s) {
   for (const TriangleBlock* end = block + blocks; block != end; ++block) {
-    const Lanes d2 = distance2_to(*block, p);
+    const Lanes d2 = distance2_to(frames_of(*block), p);
     unsigned nearer = bits(less(d2, splat(s.distance2)));
     if (nearer == 0) continue;
     if (s.group_hidden == nullptr) {
@@ -178,4 +214,4 @@ void search(TreeSearch& s) {
   }
 }
 
-constexpr TriangleKernels kKernels = {nearest, distances, make_frames, search};
+constexpr TriangleKernels kKernels = {nearest, distances, distances_of, make_frames, search};

@@ -57,8 +57,7 @@ Collapser::Collapser(WorkMesh& work, const Mesh& source, BorderLines& borders, f
       points_(work.positions),
       next_point_(work.place_count(), kNone),
       first_point_(work.triangle_count(), kNone),
-      seen_at_(work.place_count(), 0),
-      seen_in_(work.place_count(), 0) {
+      seen_(work.place_count(), Seen{0, 0}) {
   for (uint32_t t = 0; t < work.triangle_count(); ++t) set_normal(t);
   for (uint32_t p = 0; p < work.place_count(); ++p) {
     if (work.first_corner[p] == kNone) continue;
@@ -114,13 +113,13 @@ void Collapser::find_ring(uint32_t place) {
     if (work_.alive[t] == 0) continue;
     fan_.push_back(c);
     for (const uint32_t other : {work_.place[next_corner_in(c)], work_.place[previous_corner_in(c)]}) {
-      if (seen_in_[other] != walk_) {
-        seen_in_[other] = walk_;
-        seen_at_[other] = static_cast<uint32_t>(ring_.size());
+      Seen& seen = seen_[other];
+      if (seen.walk != walk_) {
+        seen = {walk_, static_cast<uint32_t>(ring_.size())};
         ring_.push_back({other, c, 1, 0});
         continue;
       }
-      Neighbour& known = ring_[seen_at_[other]];
+      Neighbour& known = ring_[seen.index];
       ++known.triangles;
       if (!source_.materials.empty() && source_.materials[work_.source_triangle[t]] !=
                                             source_.materials[work_.source_triangle[triangle_of(known.corner)]])

@@ -128,8 +128,10 @@ class Collapser {
   bool flips_allowed_ = false;
 
   // Scratch, kept to spare allocations.
-  std::vector<uint32_t> seen_at_;  // of each place: its index in ring_, if the mark is the current walk's
-  std::vector<uint32_t> seen_in_;
+  struct Seen {
+    uint32_t walk, index;
+  };
+  std::vector<Seen> seen_;  // of each place: its index in ring_, if the walk is the current one
   uint32_t walk_ = 0;
   std::vector<Neighbour> ring_;
   std::vector<Line> lines_;

@@ -1,6 +1,8 @@
 #include "preprocess/import.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -224,14 +226,22 @@ void decide_sides(Scene& scene) {
   for (size_t m = 0; m < scene.materials.size(); ++m) scene.materials[m].two_sided = open[m] || !seen[m];
 }
 
+/// Meshes at once; isolated, so that a thread that waits here begins no other part of the source.
+void repair_all(Scene& scene) {
+  std::vector<Counts> counts(scene.meshes.size());
+  tbb::this_task_arena::isolate(
+      [&] { tbb::parallel_for(size_t(0), counts.size(), [&](size_t i) { repair_mesh(scene.meshes[i], counts[i]); }); });
+  for (const Counts& of_mesh : counts)
+    for (const auto& [what, count] : of_mesh) scene.report.counts[what] += count;
+}
+
 Scene finished(ReadScene read, const ImportOptions& options) {
   Scene scene = std::move(read.scene);
   if (scene.materials.empty()) scene.materials.emplace_back();
   convert_frame(scene, options.up.value_or(read.up), options.unit_m.value_or(read.unit_m));
   drop_non_finite(scene);
   drop_out_of_range(scene, options.max_extent_m);
-  if (options.repair)
-    for (Mesh& mesh : scene.meshes) repair_mesh(mesh, scene.report.counts);
+  if (options.repair) repair_all(scene);
   for (Mesh& mesh : scene.meshes) drop_unused_vertices(mesh);
   if (read.sides_unknown) decide_sides(scene);
   plain_for_missing(scene);

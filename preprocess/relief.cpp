@@ -1,6 +1,7 @@
 #include "preprocess/relief.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
@@ -30,6 +31,7 @@ struct Face {
   glm::vec3 normal;
   glm::vec3 at;
   float area = 0;  // doubled
+  uint32_t end;    // of its triangles in triangles_; they begin where those of the face before it end
 };
 
 struct Step {
@@ -56,6 +58,7 @@ class ReliefFinder {
     glm::vec3 normal;
     float area;
     float low_m, high_m;
+    uint32_t last;        // of its faces, which are chained
     bool is_new = false;  // since reliefs were last taken down
   };
 
@@ -83,13 +86,14 @@ class ReliefFinder {
 
   void grow(uint32_t seed) {
     const auto number = static_cast<uint32_t>(faces_.size());
-    Face face{cross_[seed], work_.at(3 * seed)};
+    Face face{cross_[seed], work_.at(3 * seed), 0, 0};
     const float tolerance_m = kFlatShare * std::sqrt(area_[seed]);
     stack_.assign(1, seed);
     face_of_[seed] = number;
     while (!stack_.empty()) {
       const uint32_t t = stack_.back();
       stack_.pop_back();
+      triangles_.push_back(t);
       face.area += area_[t];
       for (uint32_t corner = 3 * t; corner < 3 * t + 3; ++corner) {
         const uint32_t to = work_.place[next_in_triangle(corner)];
@@ -107,6 +111,7 @@ class ReliefFinder {
         }
       }
     }
+    face.end = static_cast<uint32_t>(triangles_.size());
     faces_.push_back(face);
   }
 
@@ -119,23 +124,26 @@ class ReliefFinder {
     for (uint32_t corner = 0; corner < work_.place.size(); ++corner)
       if (const uint32_t face = face_of_[corner / 3]; face != kNone && faces_[face].area >= least_area)
         at_large[work_.place[corner]] = 1;
-    std::vector<uint32_t> at_from, at_to;
-    const auto faces_at = [&](uint32_t place, std::vector<uint32_t>& faces) {
-      faces.clear();
+    std::vector<uint32_t> faces;                                                      // at places, one after the other
+    std::vector<std::array<uint32_t, 2>> range(work_.place_count(), {kNone, kNone});  // of a place's, once it was asked
+    const auto faces_at = [&](uint32_t place) {
+      if (range[place][0] != kNone) return range[place];
+      const auto begin = static_cast<uint32_t>(faces.size());
       for (uint32_t c = work_.first_corner[place]; c != kNone; c = work_.next_corner[c])
         if (const uint32_t face = face_of_[c / 3];
-            face != kNone && std::find(faces.begin(), faces.end(), face) == faces.end())
+            face != kNone && std::find(faces.begin() + begin, faces.end(), face) == faces.end())
           faces.push_back(face);
+      return range[place] = {begin, static_cast<uint32_t>(faces.size())};
     };
     for (uint32_t corner = 0; corner < work_.place.size(); ++corner) {
       const uint32_t from = work_.place[corner], to = work_.place[next_in_triangle(corner)];
       if (from > to || work_.alive[corner / 3] == 0) continue;  // the same edge has another triangle, or is open
       if (at_large[from] == 0 && at_large[to] == 0) continue;
-      faces_at(from, at_from);
-      faces_at(to, at_to);
+      const std::array<uint32_t, 2> at_from = faces_at(from), at_to = faces_at(to);
       const glm::vec3 along = work_.positions[to] - work_.positions[from];
-      for (const uint32_t a : at_from)
-        for (const uint32_t b : at_to) {
+      for (uint32_t i = at_from[0]; i < at_from[1]; ++i)
+        for (uint32_t j = at_to[0]; j < at_to[1]; ++j) {
+          const uint32_t a = faces[i], b = faces[j];
           if (a == b || std::max(faces_[a].area, faces_[b].area) < least_area) continue;
           if (glm::dot(faces_[a].normal, faces_[b].normal) < kFlatCosine) continue;
           const float height_m = std::abs(glm::dot(along, faces_[faces_[a].area >= faces_[b].area ? a : b].normal));
@@ -154,9 +162,10 @@ class ReliefFinder {
 
   void join_faces() {
     groups_.reserve(faces_.size());
+    next_face_.assign(faces_.size(), kNone);
     for (uint32_t f = 0; f < faces_.size(); ++f) {
       const float off_m = glm::dot(faces_[f].at, faces_[f].normal);
-      groups_.push_back({f, faces_[f].normal, faces_[f].area, off_m, off_m});
+      groups_.push_back({f, faces_[f].normal, faces_[f].area, off_m, off_m, f});
     }
     float lowest_m = steps_.front().height_m;
     for (const Step& step : steps_) {
@@ -171,6 +180,9 @@ class ReliefFinder {
       const float shift_m = off_m - glm::dot(faces_[first ? step.b : step.a].at, from.normal);
       into.low_m = std::min(into.low_m, from.low_m + shift_m),
       into.high_m = std::max(into.high_m, from.high_m + shift_m);
+      next_face_[into.last] = from.parent == a ? b : a;
+      into.last = from.last;
+      if (!into.is_new) new_groups_.push_back(from.parent);
       into.is_new = true, from.is_new = false;
     }
     take_down();
@@ -178,28 +190,21 @@ class ReliefFinder {
 
   /// The groups that have grown, as reliefs.
   void take_down() {
-    std::vector<uint32_t> relief_of(faces_.size(), kNone);
-    const size_t first = reliefs_.size();
-    for (uint32_t f = 0; f < faces_.size(); ++f) {
+    std::sort(new_groups_.begin(), new_groups_.end());
+    for (const uint32_t f : new_groups_) {
       Group& group = groups_[f];
-      if (!group.is_new || group.parent != f) continue;
+      if (!group.is_new) continue;
       group.is_new = false;
       if (group.high_m - group.low_m > most_depth_m_) continue;
-      relief_of[f] = static_cast<uint32_t>(reliefs_.size());
       reliefs_.push_back({group.normal, group.low_m, group.high_m, {}});
-    }
-    if (reliefs_.size() == first) return;
-    for (uint32_t t = 0; t < face_of_.size(); ++t) {
-      if (face_of_[t] == kNone) continue;
-      const uint32_t relief = relief_of[root_of(face_of_[t])];
-      if (relief == kNone) continue;
-      for (uint32_t c = 3 * t; c < 3 * t + 3; ++c) reliefs_[relief].places.push_back(work_.place[c]);
-    }
-    for (size_t i = first; i < reliefs_.size(); ++i) {
-      std::vector<uint32_t>& places = reliefs_[i].places;
+      std::vector<uint32_t>& places = reliefs_.back().places;
+      for (uint32_t face = f; face != kNone; face = next_face_[face])
+        for (uint32_t i = face == 0 ? 0 : faces_[face - 1].end; i < faces_[face].end; ++i)
+          for (uint32_t c = 3 * triangles_[i]; c < 3 * triangles_[i] + 3; ++c) places.push_back(work_.place[c]);
       std::sort(places.begin(), places.end());
       places.erase(std::unique(places.begin(), places.end()), places.end());
     }
+    new_groups_.clear();
   }
 
   const WorkMesh& work_;
@@ -208,8 +213,11 @@ class ReliefFinder {
   std::vector<float> area_;        // doubled; 0: thin or not alive
   std::vector<uint32_t> face_of_;  // of each triangle
   std::vector<Face> faces_;
+  std::vector<uint32_t> triangles_;  // by face
   std::vector<Step> steps_;
-  std::vector<Group> groups_;  // by face
+  std::vector<Group> groups_;         // by face
+  std::vector<uint32_t> next_face_;   // in the same group
+  std::vector<uint32_t> new_groups_;  // and some that have gone into others since
   std::vector<Relief> reliefs_;
   std::vector<uint32_t> stack_;
 };

@@ -357,10 +357,12 @@ Mesh simplify(const Mesh& mesh, const SimplifyOptions& options, Border& border, 
   };
   if (fits(mesh, border)) return mesh;
   WorkMesh work = make_work_mesh(mesh);
-  Border as_it_is = BorderLines(work, border).border(work);
-  if (Mesh result = finish(work, mesh); fits(result, as_it_is)) {
-    border = std::move(as_it_is);
-    return result;
+  if (work.alive_count <= options.target_triangles) {
+    Border as_it_is = BorderLines(work, border).border(work);
+    if (Mesh result = finish(work, mesh); fits(result, as_it_is)) {
+      border = std::move(as_it_is);
+      return result;
+    }
   }
   Simplifier simplifier(work, mesh, options, border);
   const SimplifyFigures reached = simplifier.run(options.besides);

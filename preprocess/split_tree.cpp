@@ -1,6 +1,9 @@
 #include "preprocess/split_tree.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <tuple>
 
@@ -26,30 +29,37 @@ class Splitter {
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t) centroids_.push_back(centroid(mesh, t));
   }
 
-  /// planned: see LeafShares.
-  uint32_t split(std::vector<uint32_t> triangles, const Box& cell, uint32_t planned = 0) {
-    const auto index = static_cast<uint32_t>(tree.nodes.size());
-    tree.nodes.emplace_back().cell = cell;
+  using Nodes = std::vector<SplitTree::Node>;
+
+  /// A node and what is below it, which are numbered from it on. planned: see LeafShares.
+  Nodes split(std::vector<uint32_t> triangles, const Box& cell, uint32_t planned = 0) const {
+    Nodes nodes(1);
+    nodes.front().cell = cell;
     const LeafShares shares(triangles.size(), node_triangles_, level_factor_, planned);
     if (shares.leaves == 1) {
       std::sort(triangles.begin(), triangles.end());
-      tree.nodes[index].triangles = std::move(triangles);
-    } else {
-      split(std::move(triangles), cell, shares, 0, shares.children, index);
+      nodes.front().triangles = std::move(triangles);
+      return nodes;
     }
-    return index;
+    for (Nodes& child : split(std::move(triangles), cell, shares, 0, shares.children)) {
+      const auto first = static_cast<uint32_t>(nodes.size());
+      nodes.front().children.push_back(first);
+      for (SplitTree::Node& node : child) {
+        for (uint32_t& below : node.children) below += first;
+        nodes.push_back(std::move(node));
+      }
+    }
+    return nodes;
   }
 
-  SplitTree tree;
-
  private:
-  /// Triangles of the children [first, last) of a node.
-  void split(std::vector<uint32_t> triangles, const Box& cell, const LeafShares& shares, uint32_t first, uint32_t last,
-             uint32_t parent) {
+  /// The children [first, last) of a node, which have these triangles.
+  std::vector<Nodes> split(std::vector<uint32_t> triangles, const Box& cell, const LeafShares& shares, uint32_t first,
+                           uint32_t last) const {
+    std::vector<Nodes> children;
     if (last - first == 1) {
-      const uint32_t child = split(std::move(triangles), cell, shares.leaves_of(first));
-      tree.nodes[parent].children.push_back(child);
-      return;
+      children.push_back(split(std::move(triangles), cell, shares.leaves_of(first)));
+      return children;
     }
     const uint32_t middle = first + (last - first) / 2;
     const size_t rank = triangles.size() * shares.leaves_of(first, middle) / shares.leaves_of(first, last);
@@ -58,12 +68,15 @@ class Splitter {
     triangles = {};
     Box below_cell = cell, above_cell = cell;
     below_cell.max[plane.axis] = above_cell.min[plane.axis] = plane.value;
-    split(std::move(below), below_cell, shares, first, middle, parent);
-    split(std::move(above), above_cell, shares, middle, last, parent);
+    std::vector<Nodes> rest;
+    tbb::parallel_invoke([&] { children = split(std::move(below), below_cell, shares, first, middle); },
+                         [&] { rest = split(std::move(above), above_cell, shares, middle, last); });
+    std::move(rest.begin(), rest.end(), std::back_inserter(children));
+    return children;
   }
 
   SplitPlane halve(std::vector<uint32_t>& triangles, size_t rank, std::vector<uint32_t>& below,
-                   std::vector<uint32_t>& above) {
+                   std::vector<uint32_t>& above) const {
     Box box;
     for (const uint32_t t : triangles) box.add(centroids_[t]);
     const int axis = box.longest_axis();
@@ -98,9 +111,7 @@ SplitTree split_chunk(const Mesh& mesh, const Box& cell, uint32_t node_triangles
                       float cut_step_m) {
   std::vector<uint32_t> all(mesh.triangle_count());
   std::iota(all.begin(), all.end(), 0U);
-  Splitter splitter(mesh, node_triangles, level_factor, cut_step_m);
-  splitter.split(std::move(all), cell);
-  return std::move(splitter.tree);
+  return {Splitter(mesh, node_triangles, level_factor, cut_step_m).split(std::move(all), cell)};
 }
 
 }  // namespace promenade

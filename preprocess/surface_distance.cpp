@@ -335,9 +335,9 @@ class Direction {
 
   /// Largest distance of a triangle's corners from one triangle of B.
   float farthest_from(uint32_t triangle, const std::array<glm::vec3, 3>& corners) const {
-    float d2 = 0;
-    for (const glm::vec3& corner : corners) d2 = std::max(d2, tree_.distance2_to(triangle, corner));
-    return std::sqrt(d2);
+    std::array<float, 3> d2;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    tree_.distances2_to(triangle, corners, d2.data());
+    return std::sqrt(std::max({0.0F, d2[0], d2[1], d2[2]}));
   }
 
   void settle(float bound) { measure_.accepted = std::max(measure_.accepted, bound); }
@@ -367,9 +367,10 @@ class Direction {
   /// The largest distance of a piece from one triangle of B; more than `limit_m` where it is over that.
   float farthest_from(uint32_t triangle, const Piece& piece, float limit_m) const {
     const float limit2 = limit_m * limit_m;
+    std::array<float, kMaxCorners> of_corner;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    tree_.distances2_to(triangle, {piece.corners.data(), piece.count}, of_corner.data());
     float d2 = 0;
-    for (uint32_t i = 0; i < piece.count && d2 <= limit2; ++i)
-      d2 = std::max(d2, tree_.distance2_to(triangle, piece.corners[i]));
+    for (uint32_t i = 0; i < piece.count && d2 <= limit2; ++i) d2 = std::max(d2, of_corner[i]);
     return std::sqrt(d2) + cut_rounding_;
   }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <initializer_list>
 
 #include "tests/numbers.h"
 
@@ -125,6 +126,22 @@ TEST(ClosestPointTree, good_enough_is_within_what_was_asked) {
     const ClosestPointTree::Nearest enough = tree.nearest(p, {.enough_distance2_m2 = 4});
     EXPECT_LE(enough.distance2_m2, std::max(4.0F, nearest));
     EXPECT_EQ(tree.distance2_to(enough.triangle, p), enough.distance2_m2);
+  }
+}
+
+TEST(ClosestPointTree, measures_several_points_as_one_by_one) {
+  const Mesh mesh = soup_with_degenerate_triangles(100, glm::vec3(0), 4);
+  const ClosestPointTree tree(mesh);
+  Numbers numbers(8);
+  for (const size_t count : std::initializer_list<size_t>{0, 1, 7, 8, 9, 20}) {
+    std::vector<glm::vec3> points(count);
+    for (glm::vec3& p : points) p = numbers.in_cube(10);
+    for (uint32_t t = 0; t < 100; ++t) {
+      std::vector<float> distances2_m2(count + 1, -1);
+      tree.distances2_to(t, points, distances2_m2.data());
+      for (size_t i = 0; i < count; ++i) EXPECT_EQ(distances2_m2[i], tree.distance2_to(t, points[i]));
+      EXPECT_EQ(distances2_m2[count], -1);
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <vector>
 
 namespace promenade {
 namespace {
@@ -49,6 +50,31 @@ TEST(TriangleKernels, give_the_same_bits_with_either_vectors) {
     float least2 = 0, same_least2 = 0;
     ASSERT_EQ(one.nearest(frames, 2, point, least2), other.nearest(frames, 2, point, same_least2));
     ASSERT_EQ(std::bit_cast<uint32_t>(least2), std::bit_cast<uint32_t>(same_least2));
+  }
+}
+
+TEST(TriangleKernels, give_points_the_same_bits_one_by_one_and_eight_at_once) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> in_cube(-50, 50);
+  std::vector<const TriangleKernels*> all = {&portable_triangle_kernels()};
+  if (__builtin_cpu_supports("avx2") != 0) all.push_back(&avx2_triangle_kernels());
+  for (int round = 0; round < 500; ++round) {
+    const TriangleCorners corners = random_corners(random);
+    TriangleFrames frames{};
+    portable_triangle_kernels().make_frames(&corners, 1, &frames);
+    PointLanes points{};
+    for (size_t i = 0; i < kLanes; ++i)
+      points.x[i] = in_cube(random), points.y[i] = in_cube(random), points.z[i] = in_cube(random);
+    for (const TriangleKernels* kernels : all)
+      for (size_t triangle = 0; triangle < kLanes; ++triangle) {
+        alignas(32) float at_once[kLanes] = {}, of_triangles[kLanes] = {};
+        kernels->distances_of(frames, triangle, points, at_once);
+        for (size_t i = 0; i < kLanes; ++i) {
+          const float point[3] = {points.x[i], points.y[i], points.z[i]};
+          kernels->distances(frames, point, of_triangles);
+          ASSERT_EQ(std::bit_cast<uint32_t>(at_once[i]), std::bit_cast<uint32_t>(of_triangles[triangle]));
+        }
+      }
   }
 }
 
