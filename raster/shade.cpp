@@ -125,6 +125,7 @@ std::vector<size_t> first_of_rows(std::span<const uint32_t> counts, int least) {
 }  // namespace
 
 void smooth_edges(const VisibilityBuffer& buffer, const ShadeOptions& options, Image& picture) {
+  static_assert(kMaxPictureSide <= uint32_t{raster_kernel::kMostTilesAcross} * raster_kernel::kTile);
   const VisibilityBuffer::State& state = buffer.state();
   const Shading s = shading_of(state, options, picture);
   const raster_kernel::Kernels& kernels = kernels_of(options.simd);

@@ -180,7 +180,7 @@ void BM_Frame(benchmark::State& state) {
   shading.threads = options.threads, shading.simd = options.simd;
   if (supported_simd(options.simd) != options.simd) return state.SkipWithError("this processor lacks it");
   VisibilityBuffer buffer;
-  Image image, smooth;
+  Image image;
   VisibilityStats sum;
   double shade_ms = 0, smooth_ms = 0;
   uint32_t frame = 0;
@@ -190,7 +190,7 @@ void BM_Frame(benchmark::State& state) {
     auto start = std::chrono::steady_clock::now();
     if (state.range(4) > 0) shade(buffer, shading, image), shade_ms += ms_since(start);
     start = std::chrono::steady_clock::now();
-    if (state.range(4) > 1) smooth_edges(buffer, shading, image, smooth), smooth_ms += ms_since(start);
+    if (state.range(4) > 1) smooth_edges(buffer, shading, image), smooth_ms += ms_since(start);
     sum.cull_ms += buffer.stats().cull_ms, sum.draw_ms += buffer.stats().draw_ms;
     sum.items += buffer.stats().items;
     sum.items_in_view += buffer.stats().items_in_view, sum.items_drawn += buffer.stats().items_drawn;

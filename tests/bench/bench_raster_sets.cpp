@@ -164,15 +164,15 @@ void draw_frames(benchmark::State& state, const Model& model) {
   ShadeOptions shading;
   options.threads = shading.threads = 1;
   VisibilityBuffer buffer;
-  Image plain, picture;
+  Image picture;
   double draw_ms = 0;
   uint64_t set_up = 0;
   for (auto _ : state)
     for (const Camera& camera : model.cameras) {
       if (!buffer.draw(perspective_view(camera, glm::dvec3(0)), model.items, options).ok())
         state.SkipWithError("not drawn");
-      shade(buffer, shading, plain);
-      smooth_edges(buffer, shading, plain, picture);
+      shade(buffer, shading, picture);
+      smooth_edges(buffer, shading, picture);
       draw_ms += buffer.stats().draw_ms, set_up += buffer.stats().triangles_set_up;
     }
   const double frames = double(state.iterations()) * double(model.cameras.size());
@@ -250,7 +250,7 @@ void BM_LoadBeside(benchmark::State& state) {
   ShadeOptions shading;
   options.threads = shading.threads = 1;
   VisibilityBuffer buffer;
-  Image plain, smooth;
+  Image drawn;
   std::vector<double> frame_ms;
   double angle = 0;
   for (auto _ : state) {
@@ -259,8 +259,8 @@ void BM_LoadBeside(benchmark::State& state) {
     const Clock::time_point start = Clock::now();
     if (!buffer.draw(perspective_view(camera, glm::dvec3(0)), model.items, options).ok())
       state.SkipWithError("not drawn");
-    shade(buffer, shading, plain);
-    smooth_edges(buffer, shading, plain, smooth);
+    shade(buffer, shading, drawn);
+    smooth_edges(buffer, shading, drawn);
     frame_ms.push_back(ms_since(start));
   }
   const double seconds = ms_since(began) / 1000;
