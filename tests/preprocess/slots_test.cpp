@@ -45,28 +45,27 @@ struct Row {
   }
 };
 
-const std::vector<Box> kClosed;
+const std::vector<Box> no_way;
 std::vector<Box> door_at(float x) { return {{{x, 1, 0}, {x, 2, 2}}}; }
 std::vector<Box> all_open_at(float x) { return {{{x, 0, 0}, {x, 4, 3}}}; }
 std::vector<Box> crack_at(float x) { return {{{x, 0, 0}, {x, 0.05F, 3}}}; }
 
 TEST(Slots, between_two_closed_walls_is_one) {
-  EXPECT_THAT(Row({4, 4.1F, 8}).slots({{kClosed, kClosed}, {kClosed, kClosed}}), ElementsAre(0, 1, 0));
+  EXPECT_THAT(Row({4, 4.1F, 8}).slots({{no_way, no_way}, {no_way, no_way}}), ElementsAre(0, 1, 0));
 }
 
 TEST(Slots, a_doorway_is_none) {
   EXPECT_THAT(Row({4, 4.1F, 8}).slots({{door_at(4), door_at(4)}, {door_at(4.1F), door_at(4.1F)}}),
               ElementsAre(0, 0, 0));
-  EXPECT_THAT(Row({4, 4.1F, 8}).slots({{door_at(4), door_at(4)}, {kClosed, kClosed}}), ElementsAre(0, 0, 0))
-      << "a niche";
+  EXPECT_THAT(Row({4, 4.1F, 8}).slots({{door_at(4), door_at(4)}, {no_way, no_way}}), ElementsAre(0, 0, 0)) << "a niche";
 }
 
 TEST(Slots, open_one_way_is_the_back_of_a_wall) {
-  EXPECT_THAT(Row({4, 4.1F, 8}).slots({{all_open_at(4), kClosed}, {kClosed, all_open_at(4.1F)}}), ElementsAre(0, 1, 0));
+  EXPECT_THAT(Row({4, 4.1F, 8}).slots({{all_open_at(4), no_way}, {no_way, all_open_at(4.1F)}}), ElementsAre(0, 1, 0));
 }
 
 TEST(Slots, a_crack_leads_nowhere) {
-  EXPECT_THAT(Row({4, 4.1F, 8}).slots({{crack_at(4), crack_at(4)}, {kClosed, kClosed}}), ElementsAre(0, 1, 0));
+  EXPECT_THAT(Row({4, 4.1F, 8}).slots({{crack_at(4), crack_at(4)}, {no_way, no_way}}), ElementsAre(0, 1, 0));
 }
 
 TEST(Slots, thin_parts_of_a_room_are_as_wide_as_the_room) {
@@ -79,7 +78,7 @@ TEST(Slots, thin_parts_of_a_room_are_as_wide_as_the_room) {
 }
 
 TEST(Slots, none_without_a_least_width) {
-  EXPECT_THAT(Row({4, 4.1F, 8}).slots({{kClosed, kClosed}, {kClosed, kClosed}}, 0), ElementsAre(0, 0, 0));
+  EXPECT_THAT(Row({4, 4.1F, 8}).slots({{no_way, no_way}, {no_way, no_way}}, 0), ElementsAre(0, 0, 0));
 }
 
 }  // namespace
