@@ -78,7 +78,12 @@ PROMENADE_INLINE I abs(I a) { return {_mm512_abs_epi32(a.v)}; }
 /// The chosen lanes to p; the others stay.
 PROMENADE_INLINE void store_chosen(int32_t* p, M m, I a) { _mm512_mask_storeu_epi32(p, m.v, a.v); }
 
-PROMENADE_INLINE uint32_t bits(M m) { return m.v; }
+/// By an instruction of its own: where GCC 12 widens a mask itself, it may spill 16 bits of it and read back 32.
+PROMENADE_INLINE uint32_t bits(M m) {
+  uint32_t b;
+  asm("kmovw %1, %0" : "=r"(b) : "k"(m.v));
+  return b;
+}
 PROMENADE_INLINE M mask_of(uint32_t b) { return {static_cast<__mmask16>(b)}; }
 
 PROMENADE_INLINE F to_float(I a) { return {_mm512_cvtepi32_ps(a.v)}; }
