@@ -257,21 +257,18 @@ class Build {
   Status add_cells(ModelWriter& writer) {
     const Result<ModelReader> reader = ModelReader::open(writer.staged_folder(), files_);
     if (!reader.ok()) return reader.error();
-    const Result<ViewSpace> space = survey_view_space(*reader, options_.visibility, monitor_);
-    if (!space.ok()) return space.error();
-    const Result<std::vector<std::unique_ptr<Hider>>> hiders =
-        make_hiders_for(options_.visibility.hiders, *reader, *space, options_.visibility,
-                        {options_.memory_bytes / kHidersPart}, monitor_);
-    if (!hiders.ok()) return hiders.error();
+    const Result<ViewPlan> plan = plan_views(options_.visibility.hiders, *reader, options_.visibility,
+                                             {options_.memory_bytes / kHidersPart}, monitor_);
+    if (!plan.ok()) return plan.error();
     clock_.end("hiders");
-    for (const std::unique_ptr<Hider>& hider : *hiders)
+    for (const std::unique_ptr<Hider>& hider : plan->hiders)
       if (!hider->is_conservative())
         monitor_.warning(fmt::format("hider {}: may hide what can be seen", hider->name()));
-    const Result<Visibility> made =
-        compute_visibility(*reader, *space, *hiders, options_.visibility, hash_of(options_, hash_), folder_, monitor_);
+    const Result<Visibility> made = compute_visibility(*reader, plan->space, plan->hiders, options_.visibility,
+                                                       hash_of(options_, hash_), folder_, monitor_);
     if (!made.ok()) return made.error();
     figures_.visibility = made->figures;
-    for (const std::unique_ptr<Hider>& hider : *hiders) figures_.hiders.emplace_back(hider->name());
+    for (const std::unique_ptr<Hider>& hider : plan->hiders) figures_.hiders.emplace_back(hider->name());
     figures_.units_total += made->figures.units.total;
     figures_.units_resumed += made->figures.units.resumed;
     const auto nodes = static_cast<uint32_t>(reader->model().tables.nodes.size());

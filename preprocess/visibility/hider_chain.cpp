@@ -124,8 +124,10 @@ const std::vector<std::string>& hiders_for(CellStyle style) {
   return style == CellStyle::kd ? indoors : outdoors;
 }
 
+bool hiders_are_auto(const std::vector<std::string>& names) { return names.size() == 1 && names[0] == kAutoHiders; }
+
 const std::vector<std::string>& resolved_hiders(const std::vector<std::string>& names, CellStyle style) {
-  return names.size() == 1 && names[0] == kAutoHiders ? hiders_for(style) : names;
+  return hiders_are_auto(names) ? hiders_for(style) : names;
 }
 
 Result<std::vector<std::string>> parse_hiders(std::string_view list) {

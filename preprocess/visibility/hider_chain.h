@@ -23,6 +23,8 @@ std::string_view hider_names();
 constexpr std::string_view kAutoHiders = "auto";
 /// The chain that "auto" stands for in cells of a style.
 const std::vector<std::string>& hiders_for(CellStyle style);
+/// Names that leave the choice to the build.
+bool hiders_are_auto(const std::vector<std::string>& names);
 /// The names, or for kAutoHiders the chain for the style.
 const std::vector<std::string>& resolved_hiders(const std::vector<std::string>& names, CellStyle style);
 /// "backface,horizon" to names, "auto" to that one name; "none" and "" to no names. Errors: a name that no hider has,

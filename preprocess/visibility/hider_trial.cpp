@@ -97,23 +97,36 @@ Result<std::vector<std::unique_ptr<Hider>>> make_hiders_for(const std::vector<st
                                                             JobMonitor& monitor) {
   const std::vector<std::string>& chain = resolved_hiders(names, space.style);
   Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(chain, reader, options, monitor);
-  if (hiders.ok() && chain != names) PROMENADE_TRY(drop_idle_hiders(reader.model(), space, cells, *hiders, monitor));
+  if (hiders.ok() && hiders_are_auto(names))
+    PROMENADE_TRY(drop_idle_hiders(reader.model(), space, cells, *hiders, monitor));
   return hiders;
+}
+
+Result<ViewPlan> plan_views(const std::vector<std::string>& names, const ModelReader& reader, const CellOptions& cells,
+                            const HiderBuildOptions& options, JobMonitor& monitor) {
+  Result<ViewSpace> space = survey_view_space(reader, cells, monitor);
+  if (!space) return space.error();
+  Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders_for(names, reader, *space, cells, options, monitor);
+  if (!hiders) return hiders.error();
+  const bool free_to_choose = cells.cells == CellStyle::automatic && hiders_are_auto(names);
+  if (free_to_choose && space->style == CellStyle::kd && hiders->size() < 2) {
+    space->style = CellStyle::octree;
+    hiders = make_hiders_for(names, reader, *space, cells, options, monitor);
+    if (!hiders) return hiders.error();
+  }
+  return ViewPlan{std::move(*space), std::move(*hiders)};
 }
 
 Result<std::vector<std::string>> chain_for_model(const std::vector<std::string>& names, const ModelReader& reader,
                                                  JobMonitor& monitor) {
-  if (resolved_hiders(names, CellStyle::octree) == names) return names;
+  if (!hiders_are_auto(names)) return names;
   CellOptions options;
   options.cells = CellStyle::automatic;
-  const Result<ViewSpace> space = survey_view_space(reader, options, monitor);
-  if (!space) return space.error();
-  const Result<std::vector<std::unique_ptr<Hider>>> hiders =
-      make_hiders_for(names, reader, *space, options, HiderBuildOptions(), monitor);
-  if (!hiders) return hiders.error();
+  const Result<ViewPlan> plan = plan_views(names, reader, options, HiderBuildOptions(), monitor);
+  if (!plan) return plan.error();
   std::vector<std::string> chain;
-  chain.reserve(hiders->size());
-  for (const std::unique_ptr<Hider>& hider : *hiders) chain.emplace_back(hider->name());
+  chain.reserve(plan->hiders.size());
+  for (const std::unique_ptr<Hider>& hider : plan->hiders) chain.emplace_back(hider->name());
   return chain;
 }
 

@@ -1,8 +1,10 @@
 // Who sees whom indoors: rooms, doors and windows with known answers, asked of the portals.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "geometry/random.h"
+#include "preprocess/visibility/hider_trial.h"
 #include "preprocess/visibility/line_beam.h"
 #include "preprocess/visibility/wall_openings.h"
 #include "tests/preprocess/who_sees_whom.h"
@@ -286,6 +288,29 @@ const auto name_of_situation = [](const auto& param_info) { return param_info.pa
 INSTANTIATE_TEST_SUITE_P(Doors, WhoSeesWhomIndoors, testing::ValuesIn(doors()), name_of_situation);
 INSTANTIATE_TEST_SUITE_P(Holes, WhoSeesWhomIndoors, testing::ValuesIn(holes()), name_of_situation);
 INSTANTIATE_TEST_SUITE_P(Plans, WhoSeesWhomIndoors, testing::ValuesIn(plans()), name_of_situation);
+
+TEST(Indoors, cells_lie_along_walls_only_where_what_they_hide_is_worth_it) {
+  const auto style_of = [](const SituationModel& model, const std::vector<std::string>& names) {
+    JobMonitor monitor;
+    CellOptions options;
+    options.cells = CellStyle::automatic, options.smallest_cell_m = 1;
+    const Result<ViewPlan> plan = plan_views(names, model.reader(), options, {}, monitor);
+    EXPECT_TRUE(plan.ok());
+    return plan->space.style;
+  };
+  Mesh walls = case_around({0, 0, 0}, {20.6F, 4, 3});
+  Objects hall = {{"walls", walls}}, rooms;
+  for (uint32_t i = 0; i < 5; ++i) {
+    const float x = 4.2F * static_cast<float>(i);
+    hall.emplace_back(fmt::format("thing {}", i), block({x + 2, 1.8F, 0.3F}, {x + 2.4F, 2.2F, 1}));
+    if (i > 0) append(walls, wall_across_x(x - 0.2F, {}));
+  }
+  rooms = hall, rooms[0].second = walls;
+  const std::vector<std::string> auto_names = {std::string(kAutoHiders)};
+  EXPECT_EQ(style_of(SituationModel(rooms), auto_names), CellStyle::kd);
+  EXPECT_EQ(style_of(SituationModel(hall), auto_names), CellStyle::octree) << "all that is in a hall is seen";
+  EXPECT_EQ(style_of(SituationModel(hall), {"portals"}), CellStyle::kd) << "who names hiders is not guessed for";
+}
 
 TEST(LineBeam, keeps_every_line_that_touches_all_boxes) {
   test::Numbers numbers(7);
