@@ -11,10 +11,11 @@ namespace {
 
 constexpr float kPartM = 3;  // what lies in one room is told apart by squares of space of this size
 
-/// A room and a cube of space.
+/// A room and a cube of space; and which way it is faced.
 struct PartKey {
   uint32_t room;
   int32_t x, y, z;
+  Facing facing;
   auto operator<=>(const PartKey&) const = default;
 };
 using NodeParts = std::map<PartKey, Box>;
@@ -69,7 +70,7 @@ class NodePlacer {
     for_each_room(rooms_, swept.grown(reach_m_), [&](uint32_t room) {
       const Box near = rooms_.space.cells[room].box.grown(reach_m_);
       const Box inside{glm::max(near.min, swept.min), glm::min(near.max, swept.max)};
-      if (!inside.empty()) parts_[{room, 0, 0, 0}].add(inside);
+      if (!inside.empty()) parts_[{room, 0, 0, 0, Facing()}].add(inside);
     });
     return std::move(parts_);
   }
@@ -90,6 +91,7 @@ class NodePlacer {
   void place(const std::array<glm::vec3, 3>& p, const glm::vec3& normal) {
     Box around;
     for (const glm::vec3& corner : p) around.add(corner);
+    const Facing facing = Facing::of(normal);
     for_each_room(rooms_, around.grown(reach_m_), [&](uint32_t room) {
       const Box& box = rooms_.space.cells[room].box;
       if (shows_its_back(normal, p, box)) return;
@@ -97,7 +99,7 @@ class NodePlacer {
       const Box inside = near.contains(around) ? around : clipped(p, near);
       if (inside.empty()) return;
       const glm::ivec3 cube(glm::floor(inside.center() / kPartM));
-      parts_[{room, cube.x, cube.y, cube.z}].add(inside);
+      parts_[{room, cube.x, cube.y, cube.z, facing}].add(inside);
     });
   }
 
@@ -109,6 +111,27 @@ class NodePlacer {
 };
 
 }  // namespace
+
+Facing Facing::of(const glm::vec3& normal) {
+  if (normal == glm::vec3(0)) return {};
+  Facing facing{0, kNoAxis};
+  for (uint32_t octant = 0; octant < 8; ++octant)
+    for (uint32_t i = 0; i < 3; ++i) {
+      const bool down = (octant >> i & 1U) != 0;
+      if (down ? normal[static_cast<int>(i)] > 0 : normal[static_cast<int>(i)] < 0)
+        facing.octants = static_cast<uint8_t>(facing.octants | 1U << octant);
+    }
+  for (uint8_t i = 0; i < 3; ++i)
+    if (normal[(i + 1) % 3] == 0 && normal[(i + 2) % 3] == 0)
+      facing.axis = static_cast<uint8_t>(2 * i + (normal[i] < 0 ? 1 : 0));
+  return facing;
+}
+
+bool Facing::shows_front_to(const Box& cell, const Box& box) const {
+  if (axis == kNoAxis) return true;
+  const int i = axis / 2;
+  return axis % 2 == 0 ? cell.max[i] > box.min[i] : cell.min[i] < box.max[i];
+}
 
 Result<RoomParts> find_room_parts(const ModelReader& reader, const Rooms& rooms, JobMonitor& monitor) {
   const Model& model = reader.model();
@@ -134,7 +157,7 @@ Result<RoomParts> find_room_parts(const ModelReader& reader, const Rooms& rooms,
   placed.parts.resize(placed.first.back());
   std::vector<size_t> next(placed.first.begin(), placed.first.end() - 1);
   for (size_t i = 0; i < made.size(); ++i)
-    for (const auto& [key, box] : made[i]) placed.parts[next[key.room]++] = {box, nodes[i]};
+    for (const auto& [key, box] : made[i]) placed.parts[next[key.room]++] = {box, nodes[i], key.facing};
   return placed;
 }
 

@@ -8,10 +8,25 @@
 
 namespace promenade {
 
+/// Which way some triangles face: from where they may show their fronts.
+struct Facing {
+  static constexpr uint8_t kNoAxis = 6;
+  uint8_t octants = 0xff;  ///< bit o: to lines that go down along the axes whose bits o has, and up along the others
+  uint8_t axis = kNoAxis;  ///< 2 axis (+ 1 where they face down along it), if they all face that way exactly
+
+  /// normal: of a one-sided triangle; 0: it shows its front to all.
+  static Facing of(const glm::vec3& normal);
+  bool shows_front_to(uint32_t octant) const { return (octants >> octant & 1U) != 0; }
+  /// False only if no eye in the cell is before the triangles, which lie in the box.
+  bool shows_front_to(const Box& cell, const Box& box) const;
+  auto operator<=>(const Facing&) const = default;
+};
+
 /// Some of a node's triangles, as far as they lie in a room and show their front there.
 struct RoomPart {
   Box box;
   NodeId node;
+  Facing facing;
 };
 
 constexpr float kMostErrorM = 0.25F;

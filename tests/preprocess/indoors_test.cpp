@@ -6,6 +6,7 @@
 #include "geometry/random.h"
 #include "preprocess/visibility/hider_trial.h"
 #include "preprocess/visibility/line_beam.h"
+#include "preprocess/visibility/room_parts.h"
 #include "preprocess/visibility/wall_openings.h"
 #include "tests/preprocess/who_sees_whom.h"
 
@@ -95,6 +96,15 @@ std::vector<Situation> doors() {
                  {{1, 1.5F, 0.001F}, {2, 2.5F, 0.3F}},
                  {},
                  {"on_the_floor"}});
+  // Only its back is in the line of sight, and its front where no line gets to.
+  const auto plate = [](float away, float towards) {
+    Mesh mesh = sheet({away, 1.7F, 1}, {away, 2.3F, 1}, {away, 2.3F, 1.6F}, {away, 1.7F, 1.6F});
+    append(mesh, sheet({towards, 0.6F, 1}, {towards, 0.1F, 1}, {towards, 0.1F, 1.6F}, {towards, 0.6F, 1.6F}));
+    return std::pair<std::string, Mesh>("plate", mesh);
+  };
+  rooms("back_of_a_plate_behind_the_door", wall_across_x(4, {door}), {plate(5, 4.3F)}, {"plate"}, {});
+  rooms("front_of_a_plate_behind_the_door", wall_across_x(4, {door}),
+        {{"plate", sheet({5, 2.3F, 1}, {5, 1.7F, 1}, {5, 1.7F, 1.6F}, {5, 2.3F, 1.6F})}}, {}, {"plate"});
   all.push_back({"cell_touches_the_wall",
                  two_rooms(wall_across_x(4, {}), {opposite, beside}),
                  {{3, 1, 0.5F}, {4, 3, 2}},
@@ -310,6 +320,43 @@ TEST(Indoors, cells_lie_along_walls_only_where_what_they_hide_is_worth_it) {
   EXPECT_EQ(style_of(SituationModel(rooms), auto_names), CellStyle::kd);
   EXPECT_EQ(style_of(SituationModel(hall), auto_names), CellStyle::octree) << "all that is in a hall is seen";
   EXPECT_EQ(style_of(SituationModel(hall), {"portals"}), CellStyle::kd) << "who names hiders is not guessed for";
+}
+
+TEST(Facing, tells_from_where_a_front_is_seen) {
+  test::Numbers numbers(11);
+  uint32_t no_front = 0, behind = 0;
+  for (int i = 0; i < 4000; ++i) {
+    glm::vec3 normal = glm::normalize(numbers.in_cube(1));
+    if (i % 2 == 0) {
+      const int axis = i / 2 % 3;
+      for (int k = 0; k < 3; ++k) normal[k] = k == axis ? (normal[k] < 0 ? -1.0F : 1.0F) : 0.0F;
+    }
+    const Facing facing = Facing::of(normal);
+    glm::vec3 way = numbers.in_cube(1);
+    uint32_t octant = 0;
+    for (int k = 0; k < 3; ++k) octant |= way[k] < 0 ? 1U << static_cast<uint32_t>(k) : 0U;
+    if (glm::dot(glm::dvec3(way), glm::dvec3(normal)) < 0) {
+      EXPECT_TRUE(facing.shows_front_to(octant)) << i;
+    }
+    no_front += facing.shows_front_to(octant) ? 0U : 1U;
+    // A piece of the triangle's plane, and a cell with an eye somewhere in it.
+    const glm::vec3 place = numbers.in_cube(3), eye = numbers.in_cube(3), more = glm::abs(numbers.in_cube(1));
+    Box box{place, place};
+    if (facing.axis == Facing::kNoAxis)
+      box.max += more;
+    else
+      for (int k = 0; k < 3; ++k) box.max[k] += k == facing.axis / 2 ? 0 : more[k];
+    const Box cell{eye - more, eye + more};
+    const glm::vec3 corner = glm::mix(cell.min, cell.max, glm::abs(numbers.in_cube(1)));
+    if (facing.axis != Facing::kNoAxis && glm::dot(normal, corner - place) > 0) {
+      EXPECT_TRUE(facing.shows_front_to(cell, box)) << i;
+    }
+    behind += facing.shows_front_to(cell, box) ? 0U : 1U;
+  }
+  EXPECT_GT(no_front, 400U);
+  EXPECT_GT(behind, 400U);
+  EXPECT_EQ(Facing::of({0, 0, 0}), Facing()) << "two-sided: to all";
+  EXPECT_EQ(Facing::of({0, -1, 0}).axis, 3);
 }
 
 TEST(LineBeam, keeps_every_line_that_touches_all_boxes) {

@@ -80,29 +80,34 @@ class CellWork {
     --open_;
   }
 
+  bool shows_front(const RoomPart& part, uint32_t octant) const {
+    return part.facing.shows_front_to(octant) && part.facing.shows_front_to(question_.cell, part.box);
+  }
+
   void walk(uint32_t number, const LineSector& sector) {
+    const uint32_t octant = number / 3;
     for (const auto& [room, box] : start_) {
       arrived_[room].emplace_back(sector, sector.placed({box.min, box.max}));
       for (const RoomPart& part : parts_.of(room))
-        if (const uint32_t place = place_in_front_[index_of(part.node)]; place != kNotInFront) see(place);
+        if (const uint32_t place = place_in_front_[index_of(part.node)]; place != kNotInFront)
+          if (shows_front(part, octant)) see(place);
     }
-    const uint32_t octant = number / 3;
     for (const uint32_t room : rooms_.order[octant]) {
       if (arrived_[room].empty()) continue;
       if (steps_ > options_.most_steps) return;
       Beams beams;
       beams.swap(arrived_[room]);
       unite(beams, options_.most_beams);
-      look_at_parts(room, sector, beams);
+      look_at_parts(room, octant, sector, beams);
       for (uint32_t axis = 0; axis < 3; ++axis)
         for (const RoomExit& exit : rooms_.exits_of(room, axis, (octant >> axis & 1U) == 0)) leave(exit, sector, beams);
     }
   }
 
-  void look_at_parts(uint32_t room, const LineSector& sector, const Beams& beams) {
+  void look_at_parts(uint32_t room, uint32_t octant, const LineSector& sector, const Beams& beams) {
     for (const RoomPart& part : parts_.of(room)) {
       const uint32_t place = place_in_front_[index_of(part.node)];
-      if (place == kNotInFront || state_[place] == State::seen) continue;
+      if (place == kNotInFront || state_[place] == State::seen || !shows_front(part, octant)) continue;
       const DBox box = sector.placed({part.box.min, part.box.max});
       steps_ += beams.size();
       if (std::any_of(beams.begin(), beams.end(), [&](const LineBeam& beam) { return beam.touches(box); })) see(place);
