@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <numbers>
 
@@ -234,13 +235,16 @@ class Direction {
     }
   }
 
-  /// 99th percentile of the distances at evenly spread points.
-  float measure_samples() {
+  /// 99th percentile of the distances at evenly spread points; `least_m` where it is less.
+  float measure_samples(float least_m) {
     std::vector<double> area_until(from_.triangle_count());
     double area = 0;
     for (size_t t = 0; t < area_until.size(); ++t)
       area_until[t] = area += double(glm::length(triangle_cross(from_, t)));
-    std::vector<float> distances(kSamples);
+    // The largest, the least of them first: that is the percentile in the end, and nothing nearer need be known
+    // exactly.
+    std::array<float, kSamples - kSamples * 99 / 100> largest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    largest.fill(least_m);
     uint32_t hint = kNoTriangle;
     for (uint32_t s = 0; s < kSamples; ++s) {
       const uint64_t random = scramble(s);
@@ -248,18 +252,18 @@ class Direction {
       const auto t =
           std::min(static_cast<size_t>(std::lower_bound(area_until.begin(), area_until.end(), at) - area_until.begin()),
                    area_until.size() - 1);
-      distances[s] = 0;
       if (common_.has_twin(side_, t)) continue;
       const float r = std::sqrt(float(random >> 40U) * 0x1p-24F);
       const float w = float((random >> 8U) & 0xffffffU) * 0x1p-24F;
       const std::array<glm::vec3, 3> c = corners(t);
-      const Found found = query(c[0] + (r * (1 - w)) * (c[1] - c[0]) + (r * w) * (c[2] - c[0]), hint);
-      distances[s] = found.distance;
+      const Found found = query(c[0] + (r * (1 - w)) * (c[1] - c[0]) + (r * w) * (c[2] - c[0]), hint, largest.front());
       hint = found.triangle;
+      if (found.distance <= largest.front()) continue;
+      std::pop_heap(largest.begin(), largest.end(), std::greater<>());
+      largest.back() = found.distance;
+      std::push_heap(largest.begin(), largest.end(), std::greater<>());
     }
-    const auto rank = distances.begin() + kSamples * 99 / 100;
-    std::nth_element(distances.begin(), rank, distances.end());
-    return *rank;
+    return largest.front();
   }
 
   /// Bounds the distance over every triangle but for what takes many cuts, which is left open. After measure_vertices
@@ -483,7 +487,7 @@ SurfaceDistance surface_distance(const Mesh& a, const ClosestPointTree& tree_a, 
                                     Direction(b, a, tree_a, common, 1, measure)};
   SurfaceDistance result;
   // Samples first: how far the surfaces are apart at most decides how closely the rest is looked at.
-  for (Direction& side : sides) result.p99_m = std::max(result.p99_m, side.measure_samples());
+  for (Direction& side : sides) result.p99_m = side.measure_samples(result.p99_m);
   for (Direction& side : sides) side.measure_vertices();
   for (Direction& side : sides) side.bound_triangles();
   cut_open(sides, (a.triangle_count() + b.triangle_count()) * kPiecesPerTriangle + 1000, measure);
