@@ -217,10 +217,12 @@ Collapser::Choice Collapser::choose(uint32_t place, float limit_m) {
   estimate_ring(place);
   choices_.clear();
   for (size_t i = 0; i < ring_.size(); ++i)
-    choices_.push_back({ring_[i].place, estimates_[i / kAtOnce][i % kAtOnce], 0});
+    choices_.push_back({ring_[i].place, estimates_[i / kAtOnce][i % kAtOnce], estimates_[i / kAtOnce][i % kAtOnce]});
   std::sort(choices_.begin(), choices_.end(), [](const Choice& a, const Choice& b) {
     return a.cost_m != b.cost_m ? a.cost_m < b.cost_m : a.target < b.target;
   });
+  if (!choices_.empty() && choices_.front().cost_m > limit_m && choices_.front().cost_m < kInfinity)
+    return choices_.front();
   float least_unsound = kInfinity;
   for (const Choice& choice : choices_) {
     if (choice.cost_m == kInfinity || (best.target != kNone && choice.cost_m >= best.cost_m)) break;

@@ -41,7 +41,7 @@ class Collapser {
 
   struct Choice {
     uint32_t target = WorkMesh::kNone;  ///< kNone: the place cannot go
-    float cost_m = 0;                   ///< measured; at least this, where it is over the limit
+    float cost_m = 0;                   ///< measured; at least this, or estimated, where it is over the limit
     float firm_m = 0;                   ///< no more than the cost: less where only triangles that would flip forbid it
   };
   /// The target at which no triangle flips and the measured cost is least. Stops looking closer at costs over

@@ -18,6 +18,8 @@ class CostQueue {
   uint32_t top() const { return static_cast<uint32_t>(heap_.front()); }
   float top_cost() const { return std::bit_cast<float>(static_cast<uint32_t>(heap_.front() >> 32U)); }
 
+  bool has(uint32_t item) const { return place_[item] != kAbsent; }
+
   /// Puts an item in, or changes its cost. cost >= 0 or infinite; infinite: takes it out.
   void set(uint32_t item, float cost) {
     if (!(cost < std::numeric_limits<float>::infinity())) return remove(item);

@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <numbers>
 
@@ -22,7 +23,8 @@ constexpr size_t kMaxCorners = 16;  // of a piece; from kCrowded on only halving
 constexpr size_t kCrowded = 10;
 constexpr uint32_t kMaxDepth = 40;         // halvings of one triangle below each other
 constexpr size_t kPiecesPerTriangle = 64;  // of both meshes; bounds the time on hostile input
-constexpr uint32_t kCutsAtOnce = 64;       // of one triangle: neighbours in turn ask for what is in the cache
+constexpr uint32_t kCutsAtOnce = 512;      // of one triangle: neighbours in turn ask for what is in the cache
+constexpr uint32_t kMostLooks = 64;        // at triangles around a corner for a neighbour: bounds the time at hubs
 constexpr size_t kMostOpen = 1U << 17U;    // pieces waiting at a time: bounds the memory, about 30 MB
 constexpr uint32_t kSamples = 512;         // of each direction: five of them above the 99th percentile
 constexpr float kWellInside = 1e-4F;       // barycentric: cuts nearer to a border would gain nothing, for ever
@@ -37,6 +39,7 @@ struct Piece {
   uint32_t count;
   uint32_t depth;
   std::array<uint32_t, 3> near;  // triangles of B nearby, the last found first
+  uint32_t beside;               // the triangle of B beyond the border that it was cut along; kNoTriangle: unknown
   float bound;                   // on the distance anywhere on it, known from what it was cut from
 };
 
@@ -136,27 +139,48 @@ class Common {
     sides_[0].mesh = &a, sides_[1].mesh = &b;
     sides_[1].first_vertex = a.positions.size();
     for (Side& side : sides_) {
-      side.triangle_at.assign(places.first_vertex.size(), kNoTriangle);
+      side.first_corner.assign(places.first_vertex.size(), kNone);
+      side.next_corner.resize(side.mesh->indices.size());
       side.has_twin.assign(side.mesh->triangle_count(), 0);
-      for (size_t i = side.mesh->indices.size(); i-- > 0;)
-        side.triangle_at[of_vertex_[side.first_vertex + side.mesh->indices[i]]] = static_cast<uint32_t>(i / 3);
+      for (size_t i = side.mesh->indices.size(); i-- > 0;) {
+        uint32_t& first = side.first_corner[of_vertex_[side.first_vertex + side.mesh->indices[i]]];
+        side.next_corner[i] = first;
+        first = static_cast<uint32_t>(i);
+      }
     }
     const bool a_is_smaller = a.triangle_count() < b.triangle_count();
     find_twins(sides_[a_is_smaller ? 0 : 1], sides_[a_is_smaller ? 1 : 0]);
   }
 
-  size_t places() const { return sides_[0].triangle_at.size(); }
+  size_t places() const { return sides_[0].first_corner.size(); }
   uint32_t place(uint32_t side, uint32_t vertex) const { return of_vertex_[sides_[side].first_vertex + vertex]; }
   /// The side's first triangle with a corner there; kNoTriangle: it has none.
-  uint32_t triangle_at(uint32_t side, uint32_t place) const { return sides_[side].triangle_at[place]; }
+  uint32_t triangle_at(uint32_t side, uint32_t place) const {
+    const uint32_t corner = sides_[side].first_corner[place];
+    return corner == kNone ? kNoTriangle : corner / 3;
+  }
+  /// The side's first other triangle on the edge from a corner to its triangle's next one; kNoTriangle: none is found
+  /// soon.
+  uint32_t across(uint32_t side, uint32_t corner) const {
+    const Side& its = sides_[side];
+    const auto place_of = [&](uint32_t c) { return place(side, its.mesh->indices[c]); };
+    const uint32_t end = place_of(next_in_triangle(corner));
+    uint32_t looks = kMostLooks;
+    for (uint32_t c = its.first_corner[place_of(corner)]; c != kNone && looks > 0; c = its.next_corner[c], --looks)
+      if (c / 3 != corner / 3 && (place_of(next_in_triangle(c)) == end || place_of(previous_in_triangle(c)) == end))
+        return c / 3;
+    return kNoTriangle;
+  }
   /// Whether the other side has it too.
   bool has_twin(uint32_t side, size_t triangle) const { return sides_[side].has_twin[triangle] != 0; }
 
  private:
+  static constexpr uint32_t kNone = 0xffffffffU;
   struct Side {
     const Mesh* mesh = nullptr;
     size_t first_vertex = 0;
-    std::vector<uint32_t> triangle_at;  // of each place
+    std::vector<uint32_t> first_corner;  // at each place
+    std::vector<uint32_t> next_corner;   // at the same place
     std::vector<uint8_t> has_twin;
   };
   using Corners = std::array<uint32_t, 3>;
@@ -185,8 +209,8 @@ class Common {
     }
     for (size_t t = 0; t < large.has_twin.size(); ++t) {
       const Corners at = corners(large, t);
-      if (small.triangle_at[at[0]] == kNoTriangle || small.triangle_at[at[1]] == kNoTriangle ||
-          small.triangle_at[at[2]] == kNoTriangle)
+      if (small.first_corner[at[0]] == kNone || small.first_corner[at[1]] == kNone ||
+          small.first_corner[at[2]] == kNone)
         continue;
       for (size_t slot = first_slot(at); table[slot] != kNoTriangle; slot = (slot + 1) & (slots - 1))
         if (corners(small, table[slot]) == at) small.has_twin[table[slot]] = large.has_twin[t] = 1;
@@ -234,13 +258,16 @@ class Direction {
     }
   }
 
-  /// 99th percentile of the distances at evenly spread points.
-  float measure_samples() {
+  /// 99th percentile of the distances at evenly spread points; `least_m` where it is less.
+  float measure_samples(float least_m) {
     std::vector<double> area_until(from_.triangle_count());
     double area = 0;
     for (size_t t = 0; t < area_until.size(); ++t)
       area_until[t] = area += double(glm::length(triangle_cross(from_, t)));
-    std::vector<float> distances(kSamples);
+    // The largest, the least of them first: that is the percentile in the end, and nothing nearer need be known
+    // exactly.
+    std::array<float, kSamples - kSamples * 99 / 100> largest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    largest.fill(least_m);
     uint32_t hint = kNoTriangle;
     for (uint32_t s = 0; s < kSamples; ++s) {
       const uint64_t random = scramble(s);
@@ -248,18 +275,18 @@ class Direction {
       const auto t =
           std::min(static_cast<size_t>(std::lower_bound(area_until.begin(), area_until.end(), at) - area_until.begin()),
                    area_until.size() - 1);
-      distances[s] = 0;
       if (common_.has_twin(side_, t)) continue;
       const float r = std::sqrt(float(random >> 40U) * 0x1p-24F);
       const float w = float((random >> 8U) & 0xffffffU) * 0x1p-24F;
       const std::array<glm::vec3, 3> c = corners(t);
-      const Found found = query(c[0] + (r * (1 - w)) * (c[1] - c[0]) + (r * w) * (c[2] - c[0]), hint);
-      distances[s] = found.distance;
+      const Found found = query(c[0] + (r * (1 - w)) * (c[1] - c[0]) + (r * w) * (c[2] - c[0]), hint, largest.front());
       hint = found.triangle;
+      if (found.distance <= largest.front()) continue;
+      std::pop_heap(largest.begin(), largest.end(), std::greater<>());
+      largest.back() = found.distance;
+      std::push_heap(largest.begin(), largest.end(), std::greater<>());
     }
-    const auto rank = distances.begin() + kSamples * 99 / 100;
-    std::nth_element(distances.begin(), rank, distances.end());
-    return *rank;
+    return largest.front();
   }
 
   /// Bounds the distance over every triangle but for what takes many cuts, which is left open. After measure_vertices
@@ -309,7 +336,9 @@ class Direction {
     for (uint32_t i = 0; i < piece.count; ++i)
       radius2 = std::max(radius2, glm::dot(piece.corners[i] - center, piece.corners[i] - center));
     const float radius = std::sqrt(radius2);
-    const Found found = query(center, piece.near[0], std::max(measure_.good_enough() - radius - cut_rounding_, 0.0F));
+    Found found;
+    if (!is_over(piece.beside, center, found))
+      found = query(center, piece.near[0], std::max(measure_.good_enough() - radius - cut_rounding_, 0.0F));
     piece.bound = std::min(piece.bound, found.distance + radius + cut_rounding_);
     if (piece.bound > measure_.good_enough())
       piece.bound = std::min(piece.bound, farthest_from(found.triangle, piece, piece.bound));
@@ -331,6 +360,15 @@ class Direction {
     const float distance = std::sqrt(found.distance2_m2);
     if (distance > enough_m) measure_.reached = std::max(measure_.reached, distance);
     return {distance, found.triangle};
+  }
+
+  /// Whether a point lies over the inside of a triangle of B and near it, be others nearer: good enough to cut by.
+  bool is_over(uint32_t triangle, const glm::vec3& p, Found& found) const {
+    if (triangle == kNoTriangle) return false;
+    const ClosestPoint below = tree_.closest_on(triangle, p);
+    found = {std::sqrt(below.distance2_m2), triangle};
+    return found.distance <= measure_.near_enough() &&
+           std::min({below.barycentric.x, below.barycentric.y, below.barycentric.z}) > kWellInside;
   }
 
   /// Largest distance of a triangle's corners from one triangle of B.
@@ -359,7 +397,7 @@ class Direction {
     }
     Piece piece;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::copy(c.begin(), c.end(), piece.corners.begin());
-    piece.count = 3, piece.depth = 0, piece.bound = bound;
+    piece.count = 3, piece.depth = 0, piece.bound = bound, piece.beside = kNoTriangle;
     for (size_t i = 0; i < 3; ++i) piece.near[i] = near[i].triangle;
     stack_.push_back(piece);
   }
@@ -374,9 +412,9 @@ class Direction {
     return std::sqrt(d2) + cut_rounding_;
   }
 
-  void push(Piece& part, const Piece& whole) {
+  void push(Piece& part, const Piece& whole, uint32_t beside = kNoTriangle) {
     if (part.count < 3) return;
-    part.depth = whole.depth, part.near = whole.near, part.bound = whole.bound;
+    part.depth = whole.depth, part.near = whole.near, part.bound = whole.bound, part.beside = beside;
     // Beyond the triangle that it was cut along it may lie on one of those that the corners are near.
     for (size_t i = 1; i < part.near.size() && part.bound > measure_.good_enough(); ++i)
       if (const float bound = farthest_from(part.near[i], part, measure_.good_enough());
@@ -418,12 +456,12 @@ class Direction {
       cut(inside, outward, offset, remaining, outside);
       if (remaining.count < 3) break;  // rounding: the centre was inside
       any = true;
-      push(outside, piece);
+      push(outside, piece, common_.across(1 - side_, static_cast<uint32_t>(t + e)));
       remaining.depth = piece.depth;
       inside = remaining;
     }
     if (!any) return false;
-    inside.near = piece.near, inside.depth = piece.depth;
+    inside.near = piece.near, inside.depth = piece.depth, inside.beside = kNoTriangle;
     inside.bound = std::min(piece.bound, farthest_from(triangle, inside, piece.bound));
     add(inside);
     return true;
@@ -483,7 +521,7 @@ SurfaceDistance surface_distance(const Mesh& a, const ClosestPointTree& tree_a, 
                                     Direction(b, a, tree_a, common, 1, measure)};
   SurfaceDistance result;
   // Samples first: how far the surfaces are apart at most decides how closely the rest is looked at.
-  for (Direction& side : sides) result.p99_m = std::max(result.p99_m, side.measure_samples());
+  for (Direction& side : sides) result.p99_m = side.measure_samples(result.p99_m);
   for (Direction& side : sides) side.measure_vertices();
   for (Direction& side : sides) side.bound_triangles();
   cut_open(sides, (a.triangle_count() + b.triangle_count()) * kPiecesPerTriangle + 1000, measure);

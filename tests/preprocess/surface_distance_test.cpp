@@ -113,6 +113,20 @@ TEST(SurfaceDistance, counts_what_only_one_of_them_has) {
   EXPECT_LT(surface_distance(with_speck, flat_grid(10, 10)).p99_m, 1e-5);
 }
 
+TEST(SurfaceDistance, p99_leaves_out_one_part_in_a_hundred_whichever_mesh_has_it) {
+  const Mesh floor = flat_grid(10, 10);
+  Mesh with_boards = floor;
+  append(with_boards, flat_grid(1, 0.7F, 9));  // half of one part in a hundred
+  EXPECT_LT(surface_distance(with_boards, floor).p99_m, 1e-5);
+  append(with_boards, flat_grid(1, 1.0F, 5));  // one more
+  EXPECT_NEAR(surface_distance(with_boards, floor).p99_m, 5, 1e-4);
+  EXPECT_EQ(surface_distance(floor, with_boards).p99_m, surface_distance(with_boards, floor).p99_m);
+  append(with_boards, flat_grid(1, 0.7F, 7));
+  EXPECT_NEAR(surface_distance(with_boards, floor).p99_m, 5, 1e-4);
+  append(with_boards, flat_grid(1, 0.7F, 8));
+  EXPECT_NEAR(surface_distance(with_boards, floor).p99_m, 7, 1e-4);
+}
+
 TEST(SurfaceDistance, bound_holds_on_a_hundred_thousand_samples) {
   expect_bound_holds(hills(40), hills(9), 1.3F);
   expect_bound_holds(ball(24), ball(7), 1.3F);
