@@ -417,7 +417,7 @@ TEST(Occluders, are_the_same_at_any_number_of_threads) {
   ASSERT_TRUE(one.ok() && two.ok());
   EXPECT_EQ(one->occluders.size(), 12U);
   EXPECT_EQ(one->points, two->points);
-  EXPECT_EQ(one->ground.slip_sums, two->ground.slip_sums);
+  EXPECT_EQ(one->ground.slips, two->ground.slips);
 }
 
 TEST(Occluders, lie_within_the_solids_by_their_erosion) {
