@@ -24,6 +24,7 @@ constexpr double kLossM = 0.25;      // what may stick out of a wall to be cut o
 constexpr float kLeastLoopM = 1.0F;  // smaller loops hide next to nothing
 constexpr double kGroundBlockM = 16;
 constexpr uint64_t kMostTileBytes = uint64_t(128) << 20;  // half as much again as a dense city's tiles take
+constexpr uint64_t kTileRoom = uint64_t(32) << 20;  // beside its columns: triangles, a band's touches, masks; measured
 constexpr double kLeastTileM = 24;  // smaller ones are not worked through in quarters: their margins take the most
 
 /// Whether what is solid lies around a loop, not within it.
@@ -484,7 +485,7 @@ Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOp
   using Made = std::shared_ptr<Result<TileResult>>;
   const TileSource source{model, box, set.ground, options, monitor};
   tbb::parallel_pipeline(
-      std::clamp<size_t>(options.memory_bytes / most_tile_bytes(options), 1,
+      std::clamp<size_t>(options.memory_bytes / (most_tile_bytes(options) + kTileRoom), 1,
                          2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency())),
       tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) {
         if (next == tiles || stop) flow.stop();
