@@ -35,6 +35,7 @@ class StageClock {
     figures_.stage_wall_s[stage] += std::chrono::duration<double>(now - start_).count();
     start_ = now;
     figures_.stage_peak_rss_bytes[stage] = peak_rss_bytes();
+    return_freed_memory();  // each stage has its budget to itself
   }
 
  private:
@@ -91,11 +92,18 @@ float leaf_step_m(const Survey& survey, uint32_t node_triangles) {
   return static_cast<float>(std::exp2(std::floor(std::log2(step_m))));
 }
 
+/// Without a folder for what is too much.
+HiderBuildOptions hider_options(const BuildOptions& o) {
+  HiderBuildOptions options;
+  options.memory_bytes = o.memory_bytes / kHidersPart;
+  return options;
+}
+
 /// Everything that the model depends on.
 uint64_t hash_of(const BuildOptions& o, uint64_t tree_hash) {
   if (o.visibility.cells == CellStyle::none && !o.far.pictures) return tree_hash;
   UnitWriter writer;
-  writer.value(tree_hash), writer.value(hash_of(o.visibility));
+  writer.value(tree_hash), writer.value(hash_of(o.visibility)), writer.value(hash_of(hider_options(o)));
   if (o.far.pictures) writer.value(hash_of(o.far));
   writer.text(o.order.name), writer.text(o.order.file.string());
   return checksum(writer.bytes());
@@ -165,6 +173,24 @@ class Build {
       : options_(options), budget_(budget), folder_(folder), files_(files), monitor_(monitor), clock_(figures_) {}
 
   Result<BuildFigures> run() {
+    Result<ModelWriter> writer = make_tree();  // of what it took nothing is left
+    if (!writer.ok()) return writer.error();
+    clock_.end("write");
+
+    if (options_.visibility.cells != CellStyle::none) PROMENADE_TRY(add_cells(*writer));
+    clock_.end("visibility");
+
+    if (options_.far.pictures) PROMENADE_TRY(add_far(*writer));
+    clock_.end("far pictures");
+
+    PROMENADE_TRY(writer->publish());
+    figures_.bytes_by_part = bytes_by_part(options_.model);
+    return std::move(figures_);
+  }
+
+ private:
+  /// From the source to a staged model without cells.
+  Result<ModelWriter> make_tree() {
     const Result<std::vector<SourcePart>> parts = list_source(options_.sources);
     if (!parts.ok()) return parts.error();
     TextureStore textures(folder_, {options_.max_texture_px, options_.jpeg_quality, budget_.textures, tool_hash()});
@@ -205,20 +231,9 @@ class Build {
     Result<ModelWriter> writer = ModelWriter::create(options_.model, files_);
     if (!writer.ok()) return writer.error();
     PROMENADE_TRY(stage(*survey, *units, base, textures, *writer));
-    clock_.end("write");
-
-    if (options_.visibility.cells != CellStyle::none) PROMENADE_TRY(add_cells(*writer));
-    clock_.end("visibility");
-
-    if (options_.far.pictures) PROMENADE_TRY(add_far(*writer));
-    clock_.end("far pictures");
-
-    PROMENADE_TRY(writer->publish());
-    figures_.bytes_by_part = bytes_by_part(options_.model);
-    return std::move(figures_);
+    return writer;
   }
 
- private:
   NodeBuilderOptions node_options(const Survey& survey) const {
     NodeBuilderOptions options;
     options.node_triangles = options_.node_triangles;
@@ -257,8 +272,10 @@ class Build {
   Status add_cells(ModelWriter& writer) {
     const Result<ModelReader> reader = ModelReader::open(writer.staged_folder(), files_);
     if (!reader.ok()) return reader.error();
-    const Result<ViewPlan> plan = plan_views(options_.visibility.hiders, *reader, options_.visibility,
-                                             {options_.memory_bytes / kHidersPart}, monitor_);
+    HiderBuildOptions hiding = hider_options(options_);
+    hiding.folder = folder_.path(), hiding.files = &files_;
+    const Result<ViewPlan> plan =
+        plan_views(options_.visibility.hiders, *reader, options_.visibility, hiding, monitor_);
     if (!plan.ok()) return plan.error();
     clock_.end("hiders");
     for (const std::unique_ptr<Hider>& hider : plan->hiders)

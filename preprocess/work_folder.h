@@ -29,6 +29,7 @@ class WorkFolder {
   Result<std::vector<std::byte>> read(const RandomAccessFile& file, uint64_t offset, uint64_t bytes) const;
   Result<RandomAccessFile> open_unit(const std::string& unit) const;
 
+  const std::filesystem::path& path() const { return path_; }
   std::filesystem::path path_of(const std::string& unit) const { return path_ / unit; }
   FileSystem& files() const { return *files_; }
   /// The work is over.

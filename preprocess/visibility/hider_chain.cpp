@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "geometry/process_memory.h"
 #include "preprocess/visibility/hiders/backface.h"
 #include "preprocess/visibility/hiders/horizon.h"
 #include "preprocess/visibility/hiders/portals.h"
@@ -17,6 +18,16 @@
 
 namespace promenade {
 namespace {
+
+// Of the hiders' memory; what is left of it is for occluders that were found.
+constexpr uint64_t kPartsPart = 8;      // one in so many
+constexpr uint64_t kTilesQuarters = 3;  // while occluders are looked for
+
+OccluderOptions occluder_options(const HiderBuildOptions& options) {
+  OccluderOptions occluders;
+  occluders.memory_bytes = options.memory_bytes / 4 * kTilesQuarters;
+  return occluders;
+}
 
 /// A hider with its share of what it needs, which it refers to.
 template <class Share>
@@ -53,7 +64,7 @@ class ChainMaker {
     }
     if (name == "horizon") {
       PROMENADE_TRY(need_parts());
-      Result<OccluderSet> occluders = extract_occluders(model_, OccluderOptions(), monitor_);
+      Result<OccluderSet> occluders = extract_occluders(model_, occluder_options(options_), monitor_);
       if (!occluders) return occluders.error();
       struct Share {
         std::shared_ptr<NodeParts> parts;
@@ -95,9 +106,11 @@ class ChainMaker {
  private:
   Status need_parts() {
     if (parts_) return Done{};
-    Result<NodeParts> parts = NodeParts::make(model_, monitor_);
+    Result<NodeParts> parts =
+        NodeParts::make(model_, monitor_, {options_.memory_bytes / kPartsPart, options_.folder, options_.files});
     if (!parts) return parts.error();
     parts_ = std::make_shared<NodeParts>(std::move(*parts));
+    return_freed_memory();
     return Done{};
   }
   Status need_meshes() {
@@ -116,6 +129,8 @@ class ChainMaker {
 };
 
 }  // namespace
+
+uint64_t hash_of(const HiderBuildOptions& options) { return most_tile_bytes(occluder_options(options)); }
 
 std::string_view hider_names() { return "backface, horizon, portals, umbra, sampled"; }
 

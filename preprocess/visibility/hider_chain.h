@@ -1,6 +1,7 @@
 #pragma once
 // The hiders by name, and chains of them.
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -15,7 +16,13 @@ namespace promenade {
 
 struct HiderBuildOptions {
   uint64_t memory_bytes = uint64_t(1) << 30;  ///< for what the hiders prepare and cache, together
+  std::filesystem::path folder;               ///< where to put what is too much for that; empty: it stays in memory
+  FileSystem* files = nullptr;                ///< the folder's; nullptr: the real one
 };
+
+/// Of what in the options the hiders' answers depend on: occluders are looked for in smaller tiles where memory asks
+/// for it.
+uint64_t hash_of(const HiderBuildOptions& options);
 
 /// Every name that a chain may hold, separated by commas: for usage texts.
 std::string_view hider_names();

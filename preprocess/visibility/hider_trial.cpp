@@ -111,6 +111,7 @@ Result<ViewPlan> plan_views(const std::vector<std::string>& names, const ModelRe
   const bool free_to_choose = cells.cells == CellStyle::automatic && hiders_are_auto(names);
   if (free_to_choose && space->style == CellStyle::kd && hiders->size() < 2) {
     space->style = CellStyle::octree;
+    hiders->clear();  // before others are made: what they keep may lie in the same place
     hiders = make_hiders_for(names, reader, *space, cells, options, monitor);
     if (!hiders) return hiders.error();
   }

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <queue>
+#include <utility>
 
 namespace promenade {
 namespace {
@@ -142,33 +143,107 @@ std::vector<NodePart> cut_into_parts(const Mesh& mesh, std::span<const Material>
   return parts;
 }
 
-Result<NodeParts> NodeParts::make(const ModelReader& model, JobMonitor& monitor) {
-  const ModelTables& tables = model.model().tables;
-  const size_t count = tables.nodes.size();
-  NodeParts parts;
-  parts.by_node_.resize(count);
+/// Takes nodes' parts from several threads.
+class NodeParts::Maker {
+ public:
+  Maker(const ModelReader& model, const NodePartsOptions& options) : model_(model), options_(options) {}
+
+  Status start() {
+    const size_t nodes = model_.model().tables.nodes.size();
+    parts_.by_node_.resize(nodes);
+    if (options_.folder.empty() || nodes * kMostParts * sizeof(NodePart) <= options_.memory_bytes) return Done{};
+    Result<AtomicFile> file = AtomicFile::create(path(), files());
+    if (!file) return file.error();
+    file_ = std::move(*file);
+    return Done{};
+  }
+
+  Status cut(uint32_t node) {
+    const ModelTables& tables = model_.model().tables;
+    if (node >= model_.model().first_moving_node()) {  // anywhere in what it sweeps, from any side
+      const NodePart swept{tables.nodes[node].box, {}};
+      return add(node, std::span(&swept, 1));
+    }
+    const Result<Mesh> mesh = model_.read_mesh(NodeId{node});
+    if (!mesh) return mesh.error();
+    return add(node, cut_into_parts(*mesh, tables.materials, kMostParts));
+  }
+
+  Result<NodeParts> finish() {
+    if (file_) {
+      PROMENADE_TRY(file_->commit());
+      Result<RandomAccessFile> file = RandomAccessFile::open(path(), files());
+      if (!file) return file.error();
+      parts_.file_ = std::move(*file);
+    }
+    return std::move(parts_);
+  }
+
+ private:
+  std::filesystem::path path() const { return options_.folder / "node-parts"; }
+  FileSystem& files() const { return options_.files != nullptr ? *options_.files : real_file_system(); }
+
+  Status add(uint32_t node, std::span<const NodePart> parts) {
+    const std::lock_guard lock(mutex_);
+    parts_.by_node_[node] = {count_, static_cast<uint32_t>(parts.size())};
+    count_ += parts.size();
+    if (file_) return file_->write(std::as_bytes(parts));
+    parts_.parts_.append(parts);
+    return Done{};
+  }
+
+  const ModelReader& model_;
+  const NodePartsOptions& options_;
+  std::mutex mutex_;  // guards everything below
+  NodeParts parts_;
+  uint64_t count_ = 0;
+  std::optional<AtomicFile> file_;
+};
+
+Result<NodeParts> NodeParts::make(const ModelReader& model, JobMonitor& monitor, const NodePartsOptions& options) {
+  const size_t count = model.model().tables.nodes.size();
+  Maker maker(model, options);
+  PROMENADE_TRY(maker.start());
   std::atomic<size_t> done = 0;
   std::mutex mutex;
   std::optional<std::pair<size_t, Error>> failed;  // the first by node
   tbb::parallel_for(size_t(0), count, [&](size_t i) {
     if (monitor.cancelled()) return;
-    if (i >= model.model().first_moving_node()) {  // anywhere in what it sweeps, from any side
-      parts.by_node_[i] = {{tables.nodes[i].box, {}}};
-      return;
-    }
-    const Result<Mesh> mesh = model.read_mesh(NodeId{static_cast<uint32_t>(i)});
-    if (mesh) {
-      parts.by_node_[i] = cut_into_parts(*mesh, tables.materials, kMostParts);
-    } else {
+    if (const Status status = maker.cut(static_cast<uint32_t>(i)); !status.ok()) {
       const std::lock_guard lock(mutex);
-      if (!failed || i < failed->first) failed = {i, mesh.error()};
+      if (!failed || i < failed->first) failed = {i, status.error()};
     }
     if (++done % 64 == 0) monitor.progress("parts", done, count);
   });
   if (failed) return failed->second;
   if (monitor.cancelled()) return Error{"interrupted"};
   monitor.progress("parts", count, count);
-  return parts;
+  return maker.finish();
+}
+
+Result<HeldParts> NodeParts::hold(std::span<const NodeId> nodes, std::span<const uint8_t> left_out) const {
+  const auto is_left_out = [&](size_t i) { return i < left_out.size() && left_out[i] != 0; };
+  HeldParts held;
+  held.by_node_.resize(nodes.size());
+  if (file_) {
+    size_t count = 0;
+    for (size_t i = 0; i < nodes.size(); ++i) count += is_left_out(i) ? 0 : by_node_[index_of(nodes[i])].count;
+    held.read_.resize(count);
+  }
+  size_t at = 0;
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    if (is_left_out(i)) continue;
+    const Range& range = by_node_[index_of(nodes[i])];
+    if (file_) {
+      const std::span<NodePart> into(held.read_.data() + at, range.count);
+      PROMENADE_TRY(file_->read(range.first * sizeof(NodePart), std::as_writable_bytes(into)));
+      held.by_node_[i] = into;
+      at += range.count;
+    } else {
+      held.by_node_[i] = {parts_.data() + range.first, range.count};
+    }
+  }
+  return held;
 }
 
 bool faces_away_from_cell(const NormalCone& cone, const Box& box, const Box& cell) {

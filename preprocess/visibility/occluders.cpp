@@ -23,6 +23,9 @@ constexpr double kLeastGain = 0.01;  // of the volume: what another top must add
 constexpr double kLossM = 0.25;      // what may stick out of a wall to be cut off; and a quarter of the erosion
 constexpr float kLeastLoopM = 1.0F;  // smaller loops hide next to nothing
 constexpr double kGroundBlockM = 16;
+constexpr uint64_t kMostTileBytes = uint64_t(128) << 20;  // half as much again as a dense city's tiles take
+constexpr uint64_t kTileRoom = uint64_t(32) << 20;  // beside its columns: triangles, a band's touches, masks; measured
+constexpr double kLeastTileM = 24;  // smaller ones are not worked through in quarters: their margins take the most
 
 /// Whether what is solid lies around a loop, not within it.
 bool is_hole(const Loop& loop) {
@@ -287,28 +290,6 @@ void TileWork::add_occluder(const Region& region, uint32_t number) {
   if (!occluder.box.empty()) result_.set.occluders.push_back(occluder);
 }
 
-/// Reads what a tile needs and works through it.
-Result<TileResult> work_tile(const ModelReader& model, const Box& core, const Box& model_box, const Ground& ground,
-                             const OccluderOptions& options, JobMonitor& monitor) {
-  const auto margin = static_cast<float>(options.margin_m), column = static_cast<float>(options.column_m);
-  Box around = core;
-  around.min -= glm::vec3(margin, margin, 0), around.max += glm::vec3(margin, margin, 0);
-  // Beyond the model there is only air: a column or two of it.
-  around.min = glm::max(around.min, model_box.min - 2 * column),
-  around.max = glm::min(around.max, model_box.max + 2 * column);
-  ColumnGrid grid;
-  grid.column_m = options.column_m;
-  grid.low = glm::dvec2(around.min);
-  grid.nx = static_cast<uint32_t>(std::ceil(double(around.size().x) / grid.column_m)) + 1;
-  grid.ny = static_cast<uint32_t>(std::ceil(double(around.size().y) / grid.column_m)) + 1;
-  ColumnBuilder builder(grid);
-  PROMENADE_TRY(for_each_mesh_near(model, around, monitor, [&](const Mesh& mesh) {  // what moves hides nothing
-    builder.add(mesh, model.model().tables.materials);
-  }));
-  const SolidColumns solid = builder.finish();
-  return TileWork(grid, solid, core, ground, options).run();
-}
-
 void append(OccluderSet& all, const OccluderSet& tile) {
   const auto loops = static_cast<uint32_t>(all.loops.size()), points = static_cast<uint32_t>(all.points.size());
   for (Occluder occluder : tile.occluders) {
@@ -320,7 +301,62 @@ void append(OccluderSet& all, const OccluderSet& tile) {
     loop.first_point += points;
     all.loops.push_back(loop);
   }
-  all.points.insert(all.points.end(), tile.points.begin(), tile.points.end());
+  all.points.append(tile.points);
+}
+
+void append(TileResult& all, const TileResult& part) {
+  append(all.set, part.set);
+  all.slips.insert(all.slips.end(), part.slips.begin(), part.slips.end());
+  all.ground.insert(all.ground.end(), part.ground.begin(), part.ground.end());
+}
+
+/// What tiles are worked through for, and with what.
+struct TileSource {
+  const ModelReader& model;
+  const Box& model_box;
+  const Ground& ground;
+  const OccluderOptions& options;
+  JobMonitor& monitor;
+};
+
+/// Reads what a tile needs and works through it; where that takes too much, through its quarters.
+Result<TileResult> work_tile(const TileSource& source, const Box& core) {
+  const OccluderOptions& options = source.options;
+  const auto margin = static_cast<float>(options.margin_m), column = static_cast<float>(options.column_m);
+  Box around = core;
+  around.min -= glm::vec3(margin, margin, 0), around.max += glm::vec3(margin, margin, 0);
+  // Beyond the model there is only air: a column or two of it.
+  around.min = glm::max(around.min, source.model_box.min - 2 * column),
+  around.max = glm::min(around.max, source.model_box.max + 2 * column);
+  ColumnGrid grid;
+  grid.column_m = options.column_m;
+  grid.low = glm::dvec2(around.min);
+  grid.nx = static_cast<uint32_t>(std::ceil(double(around.size().x) / grid.column_m)) + 1;
+  grid.ny = static_cast<uint32_t>(std::ceil(double(around.size().y) / grid.column_m)) + 1;
+  ColumnOptions columns;
+  const bool divisible = double(core.size().x) > kLeastTileM;
+  if (divisible) columns.most_bytes = most_tile_bytes(options);
+  std::optional<SolidColumns> solid;
+  {
+    ColumnBuilder builder(grid, columns);
+    PROMENADE_TRY(for_each_mesh_near(source.model, around, source.monitor, [&](const Mesh& mesh) {
+      builder.add(mesh, source.model.model().tables.materials);  // what moves hides nothing
+    }));
+    solid = builder.finish();
+  }
+  if (solid) return TileWork(grid, *solid, core, source.ground, options).run();
+  TileResult made;
+  for (const float y : {0.0F, 0.5F})
+    for (const float x : {0.0F, 0.5F}) {
+      Box quarter = core;
+      quarter.min += core.size() * glm::vec3(x, y, 0);
+      if (quarter.min.x > source.model_box.max.x || quarter.min.y > source.model_box.max.y) continue;
+      quarter.max.x = quarter.min.x + core.size().x / 2, quarter.max.y = quarter.min.y + core.size().y / 2;
+      const Result<TileResult> part = work_tile(source, quarter);
+      if (!part.ok()) return part.error();
+      append(made, *part);
+    }
+  return made;
 }
 
 Ground make_ground(const Box& box) {
@@ -329,27 +365,21 @@ Ground make_ground(const Box& box) {
   ground.nx = static_cast<uint32_t>(double(box.size().x) / Ground::kSquareM) + 4;
   ground.ny = static_cast<uint32_t>(double(box.size().y) / Ground::kSquareM) + 4;
   ground.solid_m.assign(size_t(ground.nx) * ground.ny, kFar);
-  for (std::vector<uint32_t>& sums : ground.slip_sums)
-    sums.assign((size_t(ground.nx) + 1) * (size_t(ground.ny) + 1), 0);
+  ground.slips = SlipMap(ground.nx, ground.ny);
   return ground;
 }
 
 void add_tile(Ground& ground, const TileResult& tile) {
-  const size_t row = size_t(ground.nx) + 1;
   for (const auto& [at, slip] : tile.slips) {
     const auto square = squares_of(ground, at, at);
-    ++ground.slip_sums[slip.way][(square[1] + 1) * row + square[0] + 1];
+    ground.slips.add(slip.way, square[0], square[1]);
     ground.slips_top_m = std::max(ground.slips_top_m, slip.top_m);
   }
   for (const auto& [square, solid_m] : tile.ground) ground.solid_m[square] = std::min(ground.solid_m[square], solid_m);
 }
 
 void complete(Ground& ground) {
-  const size_t row = size_t(ground.nx) + 1;
-  for (std::vector<uint32_t>& sums : ground.slip_sums)
-    for (size_t y = 1; y <= ground.ny; ++y)
-      for (size_t x = 1; x <= ground.nx; ++x)
-        sums[y * row + x] += sums[(y - 1) * row + x] + sums[y * row + x - 1] - sums[(y - 1) * row + x - 1];
+  ground.slips.complete();
   for (float& solid : ground.solid_m)
     if (solid == kFar) solid = -kFar;  // beyond the model
 }
@@ -377,9 +407,7 @@ class SlipSearch {
 
  private:
   bool search(size_t way, size_t x0, size_t y0, size_t x1, size_t y1) const {
-    const size_t row = size_t(ground_.nx) + 1;
-    const std::vector<uint32_t>& sums = ground_.slip_sums[way];
-    if (sums[y1 * row + x1] + sums[y0 * row + x0] == sums[y0 * row + x1] + sums[y1 * row + x0]) return false;
+    if (ground_.slips.surely_none(way, x0, y0, x1, y1)) return false;
     if (beside(x0, y0, x1, y1)) return false;
     if (x1 - x0 == 1 && y1 - y0 == 1) return true;
     if (x1 - x0 >= y1 - y0) {
@@ -437,6 +465,8 @@ bool OccluderSet::Ground::has_slips(const Box& from, const Box& to) const {
   return slips_top_m > -kFar && SlipSearch(*this, from, to).run();
 }
 
+uint64_t most_tile_bytes(const OccluderOptions& options) { return std::min(options.memory_bytes / 2, kMostTileBytes); }
+
 Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOptions& options, JobMonitor& monitor) {
   const ModelTables& tables = model.model().tables;
   Box box;
@@ -453,8 +483,10 @@ Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOp
   std::atomic<bool> stop = false;
   size_t next = 0, done = 0;
   using Made = std::shared_ptr<Result<TileResult>>;
+  const TileSource source{model, box, set.ground, options, monitor};
   tbb::parallel_pipeline(
-      2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()),
+      std::clamp<size_t>(options.memory_bytes / (most_tile_bytes(options) + kTileRoom), 1,
+                         2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency())),
       tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) {
         if (next == tiles || stop) flow.stop();
         return next++;
@@ -462,7 +494,7 @@ Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOp
         Box core = box;
         core.min.x += side * float(i % tiles_x), core.min.y += side * float(i / tiles_x);
         core.max.x = core.min.x + side, core.max.y = core.min.y + side;
-        return std::make_shared<Result<TileResult>>(work_tile(model, core, box, set.ground, options, monitor));
+        return std::make_shared<Result<TileResult>>(work_tile(source, core));
       }) & tbb::make_filter<Made, void>(tbb::filter_mode::serial_in_order, [&](const Made& tile) {
         if (!tile->ok()) {
           if (!failure) failure = tile->error();

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "geometry/job_monitor.h"
+#include "geometry/paged_array.h"
 #include "layout/model_io.h"
+#include "preprocess/visibility/slip_map.h"
 
 namespace promenade {
 
@@ -20,6 +22,9 @@ struct OccluderOptions {
   double tile_m = 128;        ///< the world is worked through in squares of this size ...
   double margin_m = 24;       ///< ... with this much around them: buildings longer than twice that may fall apart
   double least_rise_m = 1.5;  ///< lower things hide too little to be kept
+  /// What tiles in work may take together; less: fewer at once, and those that would take more than half of it are
+  /// worked through in quarters. What is found is not in it.
+  uint64_t memory_bytes = uint64_t(768) << 20;
 };
 
 /// A polygon such that every point of its sides is solid from base to top, and so is what lies within, but for the
@@ -47,8 +52,8 @@ struct OccluderSet {
   static constexpr std::array<float, 9> kErosionsM = {0.005F, 0.05F, 0.14F, 0.28F, 0.55F, 1.1F, 2.2F, 4.4F, 8.8F};
 
   std::vector<Occluder> occluders;
-  std::vector<OccluderLoop> loops;
-  std::vector<glm::vec2> points;
+  PagedArray<OccluderLoop> loops;
+  PagedArray<glm::vec2> points;
 
   std::span<const OccluderLoop> loops_of(const Occluder& occluder, size_t erosion) const {
     const uint32_t begin = erosion == 0 ? occluder.first_loop : occluder.loops_end[erosion - 1];
@@ -64,8 +69,7 @@ struct OccluderSet {
     glm::dvec2 corner{0};
     uint32_t nx = 0, ny = 0;
     std::vector<float> solid_m;  ///< all of the square is solid up to here; -infinity: it is not
-    /// Places where a ray may slip under it, by the way that it goes (+x, -x, +y, -y): summed areas, (nx + 1) (ny + 1).
-    std::array<std::vector<uint32_t>, 4> slip_sums;
+    SlipMap slips;               ///< where a ray may slip under it
     float slips_top_m = -std::numeric_limits<float>::infinity();  ///< only rays below this can
 
     /// The height below which all of the rectangle is solid.
@@ -77,8 +81,11 @@ struct OccluderSet {
   Ground ground;
 };
 
-/// Reads every leaf, some times over, tile by tile on the threads of the arena; memory in proportion to a tile, and to
-/// what is found. The same result at any number of threads. Errors: reading the model; "interrupted".
+/// Most that a tile in work may take before it is worked through in quarters.
+uint64_t most_tile_bytes(const OccluderOptions& options);
+
+/// Reads every leaf, some times over, tile by tile on the threads of the arena; memory as the options say, and in
+/// proportion to what is found. The same result at any number of threads. Errors: reading the model; "interrupted".
 Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOptions& options, JobMonitor& monitor);
 
 }  // namespace promenade

@@ -155,12 +155,15 @@ Result<std::vector<Box>> work_tile(const ModelReader& model, const ColumnGrid& g
   around.min.x = static_cast<float>(grid.low.x), around.min.y = static_cast<float>(grid.low.y);
   around.max.x = static_cast<float>(grid.low.x + grid.nx * grid.column_m);
   around.max.y = static_cast<float>(grid.low.y + grid.ny * grid.column_m);
-  ColumnBuilder builder(grid);
+  ColumnOptions options;
+  options.rule = SlipRule::open;
+  options.spans = true;
+  ColumnBuilder builder(grid, options);
   PROMENADE_TRY(for_each_mesh_near(model, around, monitor, [&](const Mesh& mesh) {  // what moves hides nothing
     builder.add(mesh, model.model().tables.materials);
   }));
-  const SolidColumns solid = builder.finish(SlipRule::open);
-  return BoxGrower(grid, solid, core, model_box).run();
+  const std::optional<SolidColumns> solid = builder.finish();
+  return BoxGrower(grid, *solid, core, model_box).run();
 }
 
 }  // namespace

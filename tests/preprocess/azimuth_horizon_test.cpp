@@ -135,7 +135,7 @@ OccluderSet set_of(const Polygon& polygon, float base_m, float top_m) {
   for (const glm::vec2& p : polygon) bounds.add({p, top_m});
   loop.low = glm::vec2(bounds.min), loop.high = glm::vec2(bounds.max);
   occluder.box = bounds, occluder.base_m = base_m;
-  set.loops = {loop}, set.points = polygon;
+  set.loops.push_back(loop), set.points.append(polygon);
   occluder.loops_end.fill(1);
   set.occluders = {occluder};
   return set;

@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include "preprocess/visibility/hider_trial.h"
+#include "preprocess/visibility/hiders/backface.h"
 #include "preprocess/visibility/hiders/horizon.h"
 #include "preprocess/visibility/node_parts.h"
 #include "preprocess/visibility/occluders.h"
@@ -417,7 +418,83 @@ TEST(Occluders, are_the_same_at_any_number_of_threads) {
   ASSERT_TRUE(one.ok() && two.ok());
   EXPECT_EQ(one->occluders.size(), 12U);
   EXPECT_EQ(one->points, two->points);
-  EXPECT_EQ(one->ground.slip_sums, two->ground.slip_sums);
+  EXPECT_EQ(one->ground.slips, two->ground.slips);
+}
+
+TEST(Occluders, are_found_in_quarters_of_tiles_where_memory_is_short) {
+  Objects objects = {{"ground", flat_ground(60)}};
+  for (int i = 0; i < 4; ++i)
+    objects.emplace_back("house" + std::to_string(i),
+                         turned_block({float(i % 2) * 70 - 35, float(i / 2) * 60 - 30}, {14, 9}, -0.5F, 12, float(i)));
+  const SituationModel model(objects);
+  const auto extracted = [&](int threads, uint64_t bytes) {
+    OccluderOptions options;
+    options.memory_bytes = bytes;
+    tbb::task_arena arena(threads);
+    JobMonitor monitor;
+    return arena.execute([&] { return extract_occluders(model.reader(), options, monitor); });
+  };
+  constexpr uint64_t kLittle = uint64_t(24) << 20;
+  const Result<OccluderSet> whole = extracted(2, uint64_t(1) << 30), one = extracted(1, kLittle),
+                            two = extracted(2, kLittle);
+  ASSERT_TRUE(whole.ok() && one.ok() && two.ok());
+  EXPECT_EQ(one->points, two->points);
+  EXPECT_EQ(one->ground.slips, two->ground.slips);
+  EXPECT_FALSE(one->points == whole->points) << "else no tile was too much";
+  ASSERT_EQ(whole->occluders.size(), 4U);
+  for (const Occluder& occluder : whole->occluders)
+    EXPECT_TRUE(std::any_of(one->occluders.begin(), one->occluders.end(), [&](const Occluder& other) {
+      return other.box.grown(0.5F).contains(occluder.box) && occluder.box.grown(0.5F).contains(other.box);
+    }));
+}
+
+TEST(NodeParts, are_the_same_on_the_disk) {
+  const SituationModel model({{"ground", flat_ground()}, {"house", wall(10, -10, 20, 10)}, {"thing", thing_at(30, 0)}});
+  const TemporaryFolder folder;
+  JobMonitor monitor;
+  NodePartsOptions options;
+  const Result<NodeParts> in_memory = NodeParts::make(model.reader(), monitor, options);
+  options.memory_bytes = 1, options.folder = folder.path();
+  const Result<NodeParts> on_disk = NodeParts::make(model.reader(), monitor, options);
+  ASSERT_TRUE(in_memory.ok() && on_disk.ok());
+  EXPECT_FALSE(in_memory->on_disk());
+  EXPECT_TRUE(on_disk->on_disk());
+  const std::vector<NodeId> front = model.front();
+  const std::vector<uint8_t> left_out = {0, 1, 0};
+  const Result<HeldParts> a = in_memory->hold(front, left_out), b = on_disk->hold(front, left_out);
+  ASSERT_TRUE(a.ok() && b.ok());
+  for (size_t i = 0; i < front.size(); ++i) {
+    ASSERT_EQ(a->of(i).size(), b->of(i).size());
+    EXPECT_EQ(a->of(i).empty(), left_out[i] != 0);
+    for (size_t k = 0; k < a->of(i).size(); ++k) {
+      EXPECT_EQ(a->of(i)[k].box, b->of(i)[k].box);
+      EXPECT_EQ(a->of(i)[k].cone.axis, b->of(i)[k].cone.axis);
+      EXPECT_EQ(a->of(i)[k].cone.cos_angle, b->of(i)[k].cone.cos_angle);
+    }
+  }
+  std::vector<uint8_t> hidden_a(front.size(), 0), hidden_b(front.size(), 0);
+  const Result<OccluderSet> occluders = extract_occluders(model.reader(), {}, monitor);
+  ASSERT_TRUE(occluders.ok());
+  for (const auto& [parts, hidden] : {std::pair(&*in_memory, &hidden_a), std::pair(&*on_disk, &hidden_b)})
+    ASSERT_TRUE(
+        make_horizon_hider(model.reader().model(), *parts, *occluders)->hide({middle_cell, front}, *hidden).ok());
+  EXPECT_EQ(hidden_a, hidden_b);
+  EXPECT_EQ(hidden_a[2], 1);
+}
+
+TEST(NodeParts, that_the_disk_loses_are_an_error) {
+  const SituationModel model({{"ground", flat_ground()}, {"thing", thing_at(30, 0)}});
+  const TemporaryFolder folder;
+  JobMonitor monitor;
+  NodePartsOptions options;
+  options.memory_bytes = 1, options.folder = folder.path() / "missing";
+  EXPECT_FALSE(NodeParts::make(model.reader(), monitor, options).ok());
+  options.folder = folder.path();
+  const Result<NodeParts> parts = NodeParts::make(model.reader(), monitor, options);
+  ASSERT_TRUE(parts.ok());
+  std::filesystem::resize_file(folder.path() / "node-parts", 8);
+  std::vector<uint8_t> hidden(model.front().size(), 0);
+  EXPECT_FALSE(make_backface_hider(model.reader().model(), *parts)->hide({middle_cell, model.front()}, hidden).ok());
 }
 
 TEST(Occluders, lie_within_the_solids_by_their_erosion) {

@@ -14,11 +14,13 @@ class BackfaceHider : public Hider {
   std::string_view name() const override { return "backface"; }
 
   Status hide(const HiderQuestion& question, std::span<uint8_t> hidden) const override {
+    const Result<HeldParts> held = parts_.hold(question.front, hidden);
+    if (!held) return held.error();
     for (size_t i = 0; i < question.front.size(); ++i) {
       if (hidden[i] != 0) continue;
       const NodeRecord& node = model_.tables.nodes[index_of(question.front[i])];
       const auto away = [&](const auto& of) { return faces_away_from_cell(of.cone, of.box, question.cell); };
-      const std::span<const NodePart> parts = parts_.of(question.front[i]);
+      const std::span<const NodePart> parts = held->of(i);
       if (away(node) || std::all_of(parts.begin(), parts.end(), away)) hidden[i] = 1;
     }
     return Done{};

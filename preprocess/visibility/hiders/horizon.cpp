@@ -53,7 +53,7 @@ struct Target {
 /// A cell's question in work, or that of an open part of it.
 class CellWork {
  public:
-  CellWork(const NodeParts& parts, const OccluderSet& set, const HiderQuestion& question, std::span<uint8_t> hidden)
+  CellWork(const HeldParts& parts, const OccluderSet& set, const HiderQuestion& question, std::span<uint8_t> hidden)
       : parts_(parts), set_(set), cell_(question.cell), front_(question.front), hidden_(hidden) {}
 
   void run(const std::vector<UsableOccluder>& occluders) {
@@ -98,7 +98,7 @@ class CellWork {
         glm::dvec3(low.x, low.y, high.z), {high.x, low.y, high.z}, {high.x, high.y, high.z}, {low.x, high.y, high.z}};
   }
 
-  const NodeParts& parts_;
+  const HeldParts& parts_;
   const OccluderSet& set_;
   const Box cell_;
   std::span<const NodeId> front_;
@@ -141,7 +141,7 @@ void CellWork::gather_targets() {
       continue;
     }
     const size_t first = targets_.size();
-    for (const NodePart& part : parts_.of(front_[i])) {
+    for (const NodePart& part : parts_.of(i)) {
       const Fate fate = fate_of(part);
       if (fate == Fate::open) targets_.push_back({part.box, i}), boxes_[i].add(part.box);
       if (fate != Fate::seen) continue;
@@ -256,11 +256,13 @@ class HorizonHider : public Hider {
   std::string_view name() const override { return "horizon"; }
 
   Status hide(const HiderQuestion& question, std::span<uint8_t> hidden) const override {
+    const Result<HeldParts> held = parts_.hold(question.front, hidden);
+    if (!held) return held.error();
     const std::vector<UsableOccluder> usable = usable_in(question);
     std::vector<uint8_t> settled(hidden.begin(), hidden.end()), seen(hidden.size(), 0);
     for (const Box& part : open_parts(question.cell, occluders_, usable)) {
       std::vector<uint8_t> hidden_there = settled;
-      CellWork(parts_, occluders_, {part, question.front}, hidden_there).run(usable);
+      CellWork(*held, occluders_, {part, question.front}, hidden_there).run(usable);
       for (size_t i = 0; i < hidden.size(); ++i)
         if (hidden_there[i] == 0) settled[i] = seen[i] = 1;
     }

@@ -24,7 +24,7 @@ constexpr float kRoundM = 1e-4F;        // boxes shrink by this more: roundings 
 /// One cell's question in work.
 class CellWork {
  public:
-  CellWork(const Model& model, const NodeParts& parts, const std::vector<Box>& boxes, const UmbraOptions& options,
+  CellWork(const Model& model, const HeldParts& parts, const std::vector<Box>& boxes, const UmbraOptions& options,
            const HiderQuestion& question, std::span<uint8_t> hidden)
       : model_(model),
         parts_(parts),
@@ -76,7 +76,7 @@ class CellWork {
   }
 
   const Model& model_;
-  const NodeParts& parts_;
+  const HeldParts& parts_;
   const std::vector<Box>& boxes_;
   const UmbraOptions& options_;
   const Box cell_;
@@ -100,7 +100,7 @@ void CellWork::gather_targets() {
       continue;
     }
     const size_t first = targets_.size();
-    for (const NodePart& part : parts_.of(front_[i])) {
+    for (const NodePart& part : parts_.of(i)) {
       if (faces_away_from_cell(part.cone, part.box, cell_)) continue;
       if (part.box.overlaps(cell_)) {
         state_[i] = State::seen;
@@ -196,7 +196,9 @@ class UmbraHider : public Hider {
   std::string_view name() const override { return "umbra"; }
 
   Status hide(const HiderQuestion& question, std::span<uint8_t> hidden) const override {
-    CellWork(model_, parts_, boxes_, options_, question, hidden).run();
+    const Result<HeldParts> held = parts_.hold(question.front, hidden);
+    if (!held) return held.error();
+    CellWork(model_, *held, boxes_, options_, question, hidden).run();
     return Done{};
   }
 
