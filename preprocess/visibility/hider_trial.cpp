@@ -15,6 +15,7 @@ namespace {
 constexpr uint32_t kTrialCells = 24;
 constexpr uint32_t kTries = 200'000;  // for as many places; a world may be nearly solid
 constexpr uint64_t kLeastPart = 100;  // a hider is worth it from one triangle in so many on
+constexpr double kWorthWalls = 0.1;   // cells lie along walls where so much hides; in a furnished building it is 0.9
 
 /// Random boxes around open space that is not above everything.
 std::vector<Box> trial_cells(const Model& model, const ViewVolume& volume, float side_m) {
@@ -66,13 +67,12 @@ Result<Trial> try_cell(const Model& model, const std::vector<std::unique_ptr<Hid
   return trial;
 }
 
-}  // namespace
-
-Status drop_idle_hiders(const Model& model, const ViewSpace& space, const CellOptions& options,
-                        std::vector<std::unique_ptr<Hider>>& hiders, JobMonitor& monitor) {
-  if (hiders.size() < 2) return Done{};
+/// Drops what hides next to nothing; the share of the triangles that those left hide beside the first.
+Result<double> drop_idle(const Model& model, const ViewSpace& space, const CellOptions& options,
+                         std::vector<std::unique_ptr<Hider>>& hiders, JobMonitor& monitor) {
+  if (hiders.size() < 2) return 0.0;
   const std::vector<Box> cells = trial_cells(model, space.volume, static_cast<float>(options.smallest_cell_m));
-  if (cells.empty()) return Done{};
+  if (cells.empty()) return 1.0;  // nobody can tell
   const FrontBound bound = bound_of(options);
   std::vector<std::optional<Result<Trial>>> trials(cells.size());
   tbb::parallel_for(size_t(0), cells.size(), [&](size_t i) {
@@ -86,8 +86,22 @@ Status drop_idle_hiders(const Model& model, const ViewSpace& space, const CellOp
     all.triangles += (**trial).triangles;
     for (size_t h = 0; h < hiders.size(); ++h) all.hidden[h] += (**trial).hidden[h];
   }
-  for (size_t h = hiders.size(); h-- > 1;)
-    if (all.hidden[h] * kLeastPart < all.triangles) hiders.erase(hiders.begin() + static_cast<std::ptrdiff_t>(h));
+  uint64_t hidden = 0;
+  for (size_t h = hiders.size(); h-- > 1;) {
+    if (all.hidden[h] * kLeastPart < all.triangles)
+      hiders.erase(hiders.begin() + static_cast<std::ptrdiff_t>(h));
+    else
+      hidden += all.hidden[h];
+  }
+  return double(hidden) / std::max(1.0, double(all.triangles));
+}
+
+}  // namespace
+
+Status drop_idle_hiders(const Model& model, const ViewSpace& space, const CellOptions& options,
+                        std::vector<std::unique_ptr<Hider>>& hiders, JobMonitor& monitor) {
+  const Result<double> hidden = drop_idle(model, space, options, hiders, monitor);
+  if (!hidden) return hidden.error();
   return Done{};
 }
 
@@ -95,8 +109,8 @@ Result<std::vector<std::unique_ptr<Hider>>> make_hiders_for(const std::vector<st
                                                             const ModelReader& reader, const ViewSpace& space,
                                                             const CellOptions& cells, const HiderBuildOptions& options,
                                                             JobMonitor& monitor) {
-  const std::vector<std::string>& chain = resolved_hiders(names, space.style);
-  Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(chain, reader, options, monitor);
+  Result<std::vector<std::unique_ptr<Hider>>> hiders =
+      make_hiders(resolved_hiders(names, space.style), reader, options, monitor);
   if (hiders.ok() && hiders_are_auto(names))
     PROMENADE_TRY(drop_idle_hiders(reader.model(), space, cells, *hiders, monitor));
   return hiders;
@@ -106,15 +120,17 @@ Result<ViewPlan> plan_views(const std::vector<std::string>& names, const ModelRe
                             const HiderBuildOptions& options, JobMonitor& monitor) {
   Result<ViewSpace> space = survey_view_space(reader, cells, monitor);
   if (!space) return space.error();
+  if (cells.cells == CellStyle::automatic && hiders_are_auto(names) && space->style == CellStyle::kd) {
+    Result<std::vector<std::unique_ptr<Hider>>> along_walls =
+        make_hiders(hiders_for(CellStyle::kd), reader, options, monitor);
+    if (!along_walls) return along_walls.error();
+    const Result<double> hidden = drop_idle(reader.model(), *space, cells, *along_walls, monitor);
+    if (!hidden) return hidden.error();
+    if (*hidden >= kWorthWalls) return ViewPlan{std::move(*space), std::move(*along_walls)};
+    space->style = CellStyle::octree;
+  }
   Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders_for(names, reader, *space, cells, options, monitor);
   if (!hiders) return hiders.error();
-  const bool free_to_choose = cells.cells == CellStyle::automatic && hiders_are_auto(names);
-  if (free_to_choose && space->style == CellStyle::kd && hiders->size() < 2) {
-    space->style = CellStyle::octree;
-    hiders->clear();  // before others are made: what they keep may lie in the same place
-    hiders = make_hiders_for(names, reader, *space, cells, options, monitor);
-    if (!hiders) return hiders.error();
-  }
   return ViewPlan{std::move(*space), std::move(*hiders)};
 }
 

@@ -12,7 +12,7 @@ struct PortalsOptions {
   size_t most_beams = 3;  // measured: 2 to 40 hide the same in a furnished building
   /// Comparisons of beams for one cell, some hundred nanoseconds each: beyond, all that is undecided stays. Cells of a
   /// furnished building of two floors take fewer; those of cms_detector, where little is hidden, would take many more.
-  uint64_t most_steps = 4'000'000;
+  uint64_t most_steps = 2'000'000;
 };
 
 /// Hides what no line from the cell reaches through the openings of axial walls. For buildings. All references must
