@@ -145,7 +145,7 @@ void add_cell_options(CLI::App& app, CellOptions& o) {
       ->default_str(std::string(kAutoHiders));
   add_parsed<CellStyle>(*group, "--cells", o.cells, parse_cells,
                         "How viewing space is divided: octree, kd (along walls), none, or auto: kd indoors, where "
-                        "walls hide something, else octree")
+                        "walls hide a tenth, else octree")
       ->default_str("auto");
   group->add_option("--pixel-error", o.pixel_error, "Projected error that is allowed from anywhere in a cell, pixels")
       ->check(CLI::PositiveNumber)

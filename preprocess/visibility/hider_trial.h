@@ -9,14 +9,8 @@
 
 namespace promenade {
 
-/// Asks the chain in a few random places where somebody may stand and drops each hider, but for the first and cheapest,
-/// that hides less than one in a hundred of the triangles there: in most worlds most hiders find much or next to
-/// nothing. Judges by what is hidden, not by time, so that the same model always gets the same chain. Runs on the
-/// threads of the arena. Errors: a hider's; "interrupted".
-Status drop_idle_hiders(const Model& model, const ViewSpace& space, const CellOptions& options,
-                        std::vector<std::unique_ptr<Hider>>& hiders, JobMonitor& monitor);
-
-/// The hiders that names stand for in a model: those, or for kAutoHiders those of the style's chain that it repays.
+/// The hiders that names stand for in a model: those, or for kAutoHiders those of the style's chain that it repays:
+/// the first, and each that hides a hundredth of the triangles in trial cells.
 /// Errors: unknown names; reading the model; "interrupted".
 Result<std::vector<std::unique_ptr<Hider>>> make_hiders_for(const std::vector<std::string>& names,
                                                             const ModelReader& reader, const ViewSpace& space,
@@ -30,8 +24,8 @@ struct ViewPlan {
 };
 
 /// What a build of the model does. Where both the style of the cells and the hiders are left to it, cells lie along
-/// walls only if what is hidden in them is worth it: else walls give many thin cells that all see the same, and those
-/// of an octree lie in the open. Errors: reading the model, a hider's; "interrupted".
+/// walls only if a tenth of the triangles in trial cells is hidden there: else walls give many thin cells that all see
+/// the same, and those of an octree lie in the open. Errors: reading the model, a hider's; "interrupted".
 Result<ViewPlan> plan_views(const std::vector<std::string>& names, const ModelReader& reader, const CellOptions& cells,
                             const HiderBuildOptions& options, JobMonitor& monitor);
 
