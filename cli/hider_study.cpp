@@ -44,7 +44,7 @@ Result<std::vector<ChainRow>> make_chains(std::vector<std::string> lists, const 
     if (!names) return names.error();
     if (list == kAutoHiders) names = *usual;
     const WallClock clock;
-    Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*names, reader, HiderBuildOptions(), monitor);
+    Result<std::vector<std::unique_ptr<Hider>>> hiders = HiderMaker(reader, HiderBuildOptions(), monitor).make(*names);
     if (!hiders) return hiders.error();
     ChainRow row;
     row.name = list, row.hiders = std::move(*hiders), row.is_default = *names == *usual;

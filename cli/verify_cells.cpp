@@ -39,7 +39,8 @@ class Answers {
       if (!names) return names.error();
       const Result<std::vector<std::string>> chain = chain_for_model(*names, reader_, monitor);
       if (!chain) return chain.error();
-      Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(*chain, reader_, HiderBuildOptions(), monitor);
+      Result<std::vector<std::unique_ptr<Hider>>> hiders =
+          HiderMaker(reader_, HiderBuildOptions(), monitor).make(*chain);
       if (!hiders) return hiders.error();
       hiders_ = std::move(*hiders);
     }

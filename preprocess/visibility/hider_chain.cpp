@@ -51,83 +51,6 @@ std::unique_ptr<Hider> owning(std::unique_ptr<Hider> hider, std::shared_ptr<Shar
   return std::make_unique<Owning<Share>>(std::move(hider), std::move(share));
 }
 
-/// Makes hiders one after the other; what several need is made for the first that asks.
-class ChainMaker {
- public:
-  ChainMaker(const ModelReader& model, const HiderBuildOptions& options, JobMonitor& monitor)
-      : model_(model), options_(options), monitor_(monitor) {}
-
-  Result<std::unique_ptr<Hider>> make(std::string_view name) {
-    if (name == "backface") {
-      PROMENADE_TRY(need_parts());
-      return owning(make_backface_hider(model_.model(), *parts_), parts_);
-    }
-    if (name == "horizon") {
-      PROMENADE_TRY(need_parts());
-      Result<OccluderSet> occluders = extract_occluders(model_, occluder_options(options_), monitor_);
-      if (!occluders) return occluders.error();
-      struct Share {
-        std::shared_ptr<NodeParts> parts;
-        OccluderSet occluders;
-      };
-      auto share = std::make_shared<Share>(Share{parts_, std::move(*occluders)});
-      return owning(make_horizon_hider(model_.model(), *share->parts, share->occluders), share);
-    }
-    if (name == "portals") {
-      Result<Rooms> rooms = find_rooms(model_, RoomOptions(), monitor_);
-      if (!rooms) return rooms.error();
-      Result<RoomParts> parts = find_room_parts(model_, *rooms, monitor_);
-      if (!parts) return parts.error();
-      struct Share {
-        Rooms rooms;
-        RoomParts parts;
-      };
-      auto share = std::make_shared<Share>(Share{std::move(*rooms), std::move(*parts)});
-      return owning(make_portals_hider(model_.model(), share->rooms, share->parts), share);
-    }
-    if (name == "umbra") {
-      PROMENADE_TRY(need_parts());
-      Result<std::vector<Box>> boxes = find_solid_boxes(model_, SolidBoxOptions(), monitor_);
-      if (!boxes) return boxes.error();
-      struct Share {
-        std::shared_ptr<NodeParts> parts;
-        std::vector<Box> boxes;
-      };
-      auto share = std::make_shared<Share>(Share{parts_, std::move(*boxes)});
-      return owning(make_umbra_hider(model_.model(), *share->parts, share->boxes), share);
-    }
-    if (name == "sampled") {
-      PROMENADE_TRY(need_meshes());
-      return owning(make_sampled_hider(*meshes_), meshes_);
-    }
-    return Error{fmt::format("unknown hider '{}': one of {}", name, hider_names())};
-  }
-
- private:
-  Status need_parts() {
-    if (parts_) return Done{};
-    Result<NodeParts> parts =
-        NodeParts::make(model_, monitor_, {options_.memory_bytes / kPartsPart, options_.folder, options_.files});
-    if (!parts) return parts.error();
-    parts_ = std::make_shared<NodeParts>(std::move(*parts));
-    return_freed_memory();
-    return Done{};
-  }
-  Status need_meshes() {
-    if (meshes_) return Done{};
-    Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(model_, options_.memory_bytes / 2);
-    if (!meshes) return meshes.error();
-    meshes_ = std::move(*meshes);
-    return Done{};
-  }
-
-  const ModelReader& model_;
-  const HiderBuildOptions& options_;
-  JobMonitor& monitor_;
-  std::shared_ptr<NodeParts> parts_;
-  std::shared_ptr<NodeMeshes> meshes_;
-};
-
 }  // namespace
 
 uint64_t hash_of(const HiderBuildOptions& options) { return most_tile_bytes(occluder_options(options)); }
@@ -163,16 +86,81 @@ Result<std::vector<std::string>> parse_hiders(std::string_view list) {
   return names;
 }
 
-Result<std::vector<std::unique_ptr<Hider>>> make_hiders(std::span<const std::string> names, const ModelReader& model,
-                                                        const HiderBuildOptions& options, JobMonitor& monitor) {
-  ChainMaker maker(model, options, monitor);
+HiderMaker::HiderMaker(const ModelReader& model, HiderBuildOptions options, JobMonitor& monitor)
+    : model_(model), options_(std::move(options)), monitor_(monitor) {}
+
+Result<std::vector<std::unique_ptr<Hider>>> HiderMaker::make(std::span<const std::string> names) {
   std::vector<std::unique_ptr<Hider>> hiders;
   for (const std::string& name : names) {
-    Result<std::unique_ptr<Hider>> hider = maker.make(name);
+    Result<std::unique_ptr<Hider>> hider = make_one(name);
     if (!hider) return hider.error();
     hiders.push_back(std::move(*hider));
   }
   return hiders;
+}
+
+Result<std::unique_ptr<Hider>> HiderMaker::make_one(std::string_view name) {
+  if (name == "backface") {
+    PROMENADE_TRY(need_parts());
+    return owning(make_backface_hider(model_.model(), *parts_), parts_);
+  }
+  if (name == "horizon") {
+    PROMENADE_TRY(need_parts());
+    Result<OccluderSet> occluders = extract_occluders(model_, occluder_options(options_), monitor_);
+    if (!occluders) return occluders.error();
+    struct Share {
+      std::shared_ptr<NodeParts> parts;
+      OccluderSet occluders;
+    };
+    auto share = std::make_shared<Share>(Share{parts_, std::move(*occluders)});
+    return owning(make_horizon_hider(model_.model(), *share->parts, share->occluders), share);
+  }
+  if (name == "portals") {
+    Result<Rooms> rooms = find_rooms(model_, RoomOptions(), monitor_);
+    if (!rooms) return rooms.error();
+    Result<RoomParts> parts = find_room_parts(model_, *rooms, monitor_);
+    if (!parts) return parts.error();
+    struct Share {
+      Rooms rooms;
+      RoomParts parts;
+    };
+    auto share = std::make_shared<Share>(Share{std::move(*rooms), std::move(*parts)});
+    return owning(make_portals_hider(model_.model(), share->rooms, share->parts), share);
+  }
+  if (name == "umbra") {
+    PROMENADE_TRY(need_parts());
+    Result<std::vector<Box>> boxes = find_solid_boxes(model_, SolidBoxOptions(), monitor_);
+    if (!boxes) return boxes.error();
+    struct Share {
+      std::shared_ptr<NodeParts> parts;
+      std::vector<Box> boxes;
+    };
+    auto share = std::make_shared<Share>(Share{parts_, std::move(*boxes)});
+    return owning(make_umbra_hider(model_.model(), *share->parts, share->boxes), share);
+  }
+  if (name == "sampled") {
+    PROMENADE_TRY(need_meshes());
+    return owning(make_sampled_hider(*meshes_), meshes_);
+  }
+  return Error{fmt::format("unknown hider '{}': one of {}", name, hider_names())};
+}
+
+Status HiderMaker::need_parts() {
+  if (parts_) return Done{};
+  Result<NodeParts> parts =
+      NodeParts::make(model_, monitor_, {options_.memory_bytes / kPartsPart, options_.folder, options_.files});
+  if (!parts) return parts.error();
+  parts_ = std::make_shared<NodeParts>(std::move(*parts));
+  return_freed_memory();
+  return Done{};
+}
+
+Status HiderMaker::need_meshes() {
+  if (meshes_) return Done{};
+  Result<std::unique_ptr<NodeMeshes>> meshes = NodeMeshes::make(model_, options_.memory_bytes / 2);
+  if (!meshes) return meshes.error();
+  meshes_ = std::move(*meshes);
+  return Done{};
 }
 
 }  // namespace promenade

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +14,9 @@
 #include "preprocess/visibility/hider.h"
 
 namespace promenade {
+
+class NodeMeshes;
+class NodeParts;
 
 struct HiderBuildOptions {
   uint64_t memory_bytes = uint64_t(1) << 30;  ///< for what the hiders prepare and cache, together
@@ -38,10 +42,26 @@ const std::vector<std::string>& resolved_hiders(const std::vector<std::string>& 
 /// or one given twice.
 Result<std::vector<std::string>> parse_hiders(std::string_view list);
 
-/// Prepares hiders for a model, in the order of their names; that is the order in which a cell should ask them. What
-/// they share is made once and lives as long as any of them. The model must outlive them. Runs on the threads of the
-/// arena. Errors: unknown names; reading the model; "interrupted".
-Result<std::vector<std::unique_ptr<Hider>>> make_hiders(std::span<const std::string> names, const ModelReader& model,
-                                                        const HiderBuildOptions& options, JobMonitor& monitor);
+/// Prepares hiders for a model. What several of them need is made once, for the first that asks, and lives as long as
+/// the maker or any of them. The model must outlive them all. Runs on the
+/// threads of the arena.
+class HiderMaker {
+ public:
+  HiderMaker(const ModelReader& model, HiderBuildOptions options, JobMonitor& monitor);
+  /// In the order of their names; that is the order in which a cell should ask them. Errors: unknown names; reading the
+  /// model; "interrupted".
+  Result<std::vector<std::unique_ptr<Hider>>> make(std::span<const std::string> names);
+
+ private:
+  Result<std::unique_ptr<Hider>> make_one(std::string_view name);
+  Status need_parts();
+  Status need_meshes();
+
+  const ModelReader& model_;
+  HiderBuildOptions options_;
+  JobMonitor& monitor_;
+  std::shared_ptr<NodeParts> parts_;
+  std::shared_ptr<NodeMeshes> meshes_;
+};
 
 }  // namespace promenade

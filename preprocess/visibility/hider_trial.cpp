@@ -103,11 +103,10 @@ Result<double> drop_idle(const Model& model, const ViewSpace& space, const CellO
 
 Result<std::vector<std::unique_ptr<Hider>>> make_hiders_for(const std::vector<std::string>& names,
                                                             const ModelReader& reader, const ViewSpace& space,
-                                                            const CellOptions& cells, const HiderBuildOptions& options,
+                                                            const CellOptions& cells, HiderMaker& maker,
                                                             JobMonitor& monitor) {
-  Result<std::vector<std::unique_ptr<Hider>>> hiders =
-      make_hiders(resolved_hiders(names, space.style), reader, options, monitor);
-  if (!hiders.ok() || !hiders_are_auto(names)) return hiders;
+  Result<std::vector<std::unique_ptr<Hider>>> hiders = maker.make(resolved_hiders(names, space.style));
+  if (!hiders || !hiders_are_auto(names)) return hiders;
   const Result<double> hidden = drop_idle(reader.model(), space, cells, *hiders, monitor);
   if (!hidden) return hidden.error();
   return hiders;
@@ -117,16 +116,16 @@ Result<ViewPlan> plan_views(const std::vector<std::string>& names, const ModelRe
                             const HiderBuildOptions& options, JobMonitor& monitor) {
   Result<ViewSpace> space = survey_view_space(reader, cells, monitor);
   if (!space) return space.error();
+  HiderMaker maker(reader, options, monitor);
   if (cells.cells == CellStyle::automatic && hiders_are_auto(names) && space->style == CellStyle::kd) {
-    Result<std::vector<std::unique_ptr<Hider>>> along_walls =
-        make_hiders(hiders_for(CellStyle::kd), reader, options, monitor);
+    Result<std::vector<std::unique_ptr<Hider>>> along_walls = maker.make(hiders_for(CellStyle::kd));
     if (!along_walls) return along_walls.error();
     const Result<double> hidden = drop_idle(reader.model(), *space, cells, *along_walls, monitor);
     if (!hidden) return hidden.error();
     if (*hidden >= kWorthWalls) return ViewPlan{std::move(*space), std::move(*along_walls)};
     space->style = CellStyle::octree;
   }
-  Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders_for(names, reader, *space, cells, options, monitor);
+  Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders_for(names, reader, *space, cells, maker, monitor);
   if (!hiders) return hiders.error();
   return ViewPlan{std::move(*space), std::move(*hiders)};
 }

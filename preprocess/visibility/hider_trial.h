@@ -14,7 +14,7 @@ namespace promenade {
 /// Errors: unknown names; reading the model; "interrupted".
 Result<std::vector<std::unique_ptr<Hider>>> make_hiders_for(const std::vector<std::string>& names,
                                                             const ModelReader& reader, const ViewSpace& space,
-                                                            const CellOptions& cells, const HiderBuildOptions& options,
+                                                            const CellOptions& cells, HiderMaker& maker,
                                                             JobMonitor& monitor);
 
 /// How viewing space is divided, and who hides in it.

@@ -348,7 +348,7 @@ TEST(Hiders, sampled_agrees_with_pictures_and_says_that_it_is_no_proof) {
   EXPECT_THAT(hidden_by(model, {"sampled"}, middle_cell), testing::ElementsAre(0, 0, 1));
   JobMonitor monitor;
   const std::vector<std::string> names = {"sampled", "horizon"};
-  const auto hiders = make_hiders(names, model.reader(), {}, monitor);
+  const auto hiders = HiderMaker(model.reader(), {}, monitor).make(names);
   ASSERT_TRUE(hiders.ok());
   EXPECT_FALSE((*hiders)[0]->is_conservative());
   EXPECT_TRUE((*hiders)[1]->is_conservative());
@@ -373,7 +373,8 @@ TEST(Hiders, auto_leaves_out_what_finds_next_to_nothing) {
     options.cells = CellStyle::octree;
     const Result<ViewSpace> space = survey_view_space(model.reader(), options, monitor);
     EXPECT_TRUE(space.ok());
-    const auto hiders = make_hiders_for(names, model.reader(), *space, options, {}, monitor);
+    HiderMaker maker(model.reader(), {}, monitor);
+    const auto hiders = make_hiders_for(names, model.reader(), *space, options, maker, monitor);
     EXPECT_TRUE(hiders.ok());
     std::vector<std::string> made;
     for (const auto& hider : *hiders) made.emplace_back(hider->name());

@@ -12,7 +12,7 @@ namespace promenade {
 inline std::vector<uint8_t> hidden_by(const SituationModel& model, const std::vector<std::string>& names,
                                       const Box& cell) {
   JobMonitor monitor;
-  const Result<std::vector<std::unique_ptr<Hider>>> hiders = make_hiders(names, model.reader(), {}, monitor);
+  const Result<std::vector<std::unique_ptr<Hider>>> hiders = HiderMaker(model.reader(), {}, monitor).make(names);
   EXPECT_TRUE(hiders.ok());
   const std::vector<NodeId> front = model.front();
   std::vector<uint8_t> hidden(front.size(), 0);
