@@ -223,7 +223,7 @@ std::string find_defect(const Model& model) {
     if (!defect.empty()) return fmt::format("node {}: {}", i, defect);
   }
   for (std::string defect : {find_tree_defect(tables), find_defect(model.objects.animation), find_moving_defect(model),
-                             find_class_defect(model)})
+                             find_class_defect(model), model.objects.footprints.defect()})
     if (!defect.empty()) return defect;
   return {};
 }

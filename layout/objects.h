@@ -1,5 +1,6 @@
 #pragma once
-// What a model knows of its source's objects: those that move by themselves, and the classes of all.
+// What a model knows of its source's objects: those that move by themselves, the classes of all, and what the solid
+// ones fill.
 //
 // An object that moves has a tree of nodes of its own, whose root is one of the model's roots. Meshes of its nodes are
 // in the object's own space; the boxes in the tables hold what they sweep, so that hiding and reading need not know of
@@ -13,6 +14,7 @@
 #include "geometry/animation.h"
 #include "geometry/box.h"
 #include "geometry/node_id.h"
+#include "layout/footprints.h"
 
 namespace promenade {
 
@@ -47,7 +49,8 @@ struct ModelObjects {
   std::vector<MovingNode> moving_nodes;  ///< the last nodes of the model, in their order
   std::vector<std::string> classes;      ///< as the source names them; without a name: ""
   std::vector<ClassShare> class_shares;  ///< ascending by leaf, then class
-  bool empty() const { return moving.empty() && class_shares.empty(); }
+  Footprints footprints;
+  bool empty() const { return moving.empty() && class_shares.empty() && footprints.empty(); }
   uint64_t byte_size() const;
 };
 

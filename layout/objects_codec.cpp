@@ -14,20 +14,31 @@ namespace {
 
 constexpr std::string_view kMagic = "PROMOBJS";
 constexpr uint64_t kHeaderBytes = 32;
-constexpr std::array<SectionKind, 8> kSections = {{{"joints", 192},
-                                                   {"tracks", 24},
-                                                   {"times", 4},
-                                                   {"values", 4},
-                                                   {"moving", 104},
-                                                   {"moving_nodes", 28},
-                                                   {"class_names", 1},
-                                                   {"class_shares", 12}}};
-constexpr uint64_t kListBytes = kSections.size() * SectionEntry::kBytes;
+constexpr std::array<SectionKind, 11> kSections = {{{"joints", 192},
+                                                    {"tracks", 24},
+                                                    {"times", 4},
+                                                    {"values", 4},
+                                                    {"moving", 104},
+                                                    {"moving_nodes", 28},
+                                                    {"class_names", 1},
+                                                    {"class_shares", 12},
+                                                    {"footprints", 12},
+                                                    {"loops", 4},
+                                                    {"points", 8}}};
+constexpr size_t kFirstSections = 8;  // those of version 1
+
+/// Models without footprints are as they always were.
+size_t sections_in(uint32_t version) { return version == 1 ? kFirstSections : kSections.size(); }
+uint64_t list_bytes(uint32_t version) { return sections_in(version) * SectionEntry::kBytes; }
+
 // Bounds memory on hostile input: keys that repeat each other come to a tenth, never to a thousandth.
 constexpr uint64_t kMostExpansion = 1024, kLeastContent = 1 << 16;
 
 void put(ByteWriter& w, uint8_t value) { w.put(value); }
 void put(ByteWriter& w, float value) { w.put(value); }
+void put(ByteWriter& w, uint32_t value) { w.put(value); }
+void put(ByteWriter& w, const glm::vec2& v) { w.put(v.x), w.put(v.y); }
+void put(ByteWriter& w, const Footprint& f) { w.put(f.base_m), w.put(f.top_m), w.put(f.loops_end); }
 void put(ByteWriter& w, const glm::dmat4& m) {
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 3; ++row) w.put(m[column][row]);
@@ -54,6 +65,11 @@ void put(ByteWriter& w, const ClassShare& s) { w.put(index_of(s.leaf)), w.put(s.
 
 void get(ByteReader& r, uint8_t& value) { value = r.get<uint8_t>(); }
 void get(ByteReader& r, float& value) { value = r.get<float>(); }
+void get(ByteReader& r, uint32_t& value) { value = r.get<uint32_t>(); }
+void get(ByteReader& r, glm::vec2& v) { v.x = r.get<float>(), v.y = r.get<float>(); }
+void get(ByteReader& r, Footprint& f) {
+  f.base_m = r.get<float>(), f.top_m = r.get<float>(), f.loops_end = r.get<uint32_t>();
+}
 void get(ByteReader& r, glm::dmat4& m) {
   m = glm::dmat4(1);
   for (int column = 0; column < 4; ++column)
@@ -84,9 +100,9 @@ void get(ByteReader& r, ClassShare& s) {
   s.leaf = NodeId{r.get<uint32_t>()}, s.class_index = r.get<uint32_t>(), s.area_m2 = r.get<float>();
 }
 
-/// Calls visit(kind, table) for each section in order. names: each ends with a zero.
+/// Calls visit(kind, table) for each section of a version in order. names: each ends with a zero.
 template <class Objects, class Names, class Visit>
-void for_each_section(Objects& objects, Names& names, Visit visit) {
+void for_each_section(uint32_t version, Objects& objects, Names& names, Visit visit) {
   visit(kSections[0], objects.animation.joints);
   visit(kSections[1], objects.animation.tracks);
   visit(kSections[2], objects.animation.times);
@@ -95,16 +111,26 @@ void for_each_section(Objects& objects, Names& names, Visit visit) {
   visit(kSections[5], objects.moving_nodes);
   visit(kSections[6], names);
   visit(kSections[7], objects.class_shares);
+  if (version == 1) return;
+  visit(kSections[8], objects.footprints.all);
+  visit(kSections[9], objects.footprints.loop_ends);
+  visit(kSections[10], objects.footprints.points);
 }
 
-Result<std::vector<std::byte>> read_content(std::span<const std::byte> bytes, const CellsOwner& owner) {
+struct Content {
+  uint32_t version = 0;
+  std::vector<std::byte> bytes;
+};
+
+Result<Content> read_content(std::span<const std::byte> bytes, const CellsOwner& owner) {
   ByteReader reader(bytes);
   const std::span<const std::byte> magic = reader.get_bytes(kMagic.size());
   if (!reader.ok() || std::string_view(reinterpret_cast<const char*>(magic.data()), magic.size()) != kMagic)
     return Error{"header: no objects of a model"};
-  if (const auto version = reader.get<uint32_t>(); version != kObjectsVersion)
-    return Error{
-        fmt::format("header @0x8: version {}, this program reads {}; build the model again", version, kObjectsVersion)};
+  const auto version = reader.get<uint32_t>();
+  if (version < 1 || version > kObjectsVersion)
+    return Error{fmt::format("header @0x8: version {}, this program reads 1 to {}; build the model again", version,
+                             kObjectsVersion)};
   CellsOwner found;
   found.nodes = reader.get<uint32_t>(), found.tables_checksum = reader.get<uint64_t>();
   const auto stored = reader.get<uint64_t>();
@@ -119,9 +145,10 @@ Result<std::vector<std::byte>> read_content(std::span<const std::byte> bytes, co
     return Error{fmt::format("sections @{:#x}: checksum {:016x} != {:016x}", kHeaderBytes, sum, stored)};
   Result<std::vector<std::byte>> content = decompress_frame(frame, kLeastContent + kMostExpansion * frame.size());
   if (!content) return Error{fmt::format("sections @{:#x}: {}", kHeaderBytes, content.error().message)};
-  if (content->size() < kListBytes)
-    return Error{fmt::format("sections @{:#x}: {} bytes, {} are due", kHeaderBytes, content->size(), kListBytes)};
-  return content;
+  if (content->size() < list_bytes(version))
+    return Error{
+        fmt::format("sections @{:#x}: {} bytes, {} are due", kHeaderBytes, content->size(), list_bytes(version))};
+  return Content{version, std::move(*content)};
 }
 
 }  // namespace
@@ -132,29 +159,31 @@ std::vector<std::byte> encode_objects(const ModelObjects& objects, const CellsOw
     for (const char c : name) names.push_back(static_cast<uint8_t>(c == '\0' ? ' ' : c));
     names.push_back(0);
   }
+  const uint32_t version = objects.footprints.empty() ? 1 : kObjectsVersion;
   ByteWriter content;
-  SectionWriter sections(kListBytes);
-  for_each_section(objects, names, [&](const SectionKind& kind, const auto& table) {
+  SectionWriter sections(list_bytes(version));
+  for_each_section(version, objects, names, [&](const SectionKind& kind, const auto& table) {
     sections.add(content, kind, table, [](ByteWriter& w, const auto& entry) { put(w, entry); });
   });
   content.put_bytes(sections.take());
   const std::vector<std::byte> frame = compress_frame(content.bytes());
   ByteWriter file;
   for (const char c : kMagic) file.put(static_cast<uint8_t>(c));
-  file.put(kObjectsVersion), file.put(owner.nodes), file.put(owner.tables_checksum), file.put(checksum(frame));
+  file.put(version), file.put(owner.nodes), file.put(owner.tables_checksum), file.put(checksum(frame));
   file.put_bytes(frame);
   return file.take();
 }
 
 Result<ModelObjects> decode_objects(std::span<const std::byte> bytes, const CellsOwner& owner) {
-  const Result<std::vector<std::byte>> content = read_content(bytes, owner);
+  const Result<Content> content = read_content(bytes, owner);
   if (!content) return content.error();
+  const uint64_t list_end = list_bytes(content->version);
   ModelObjects objects;
   std::vector<uint8_t> names;
-  ByteReader list(*content);
-  SectionReader sections(std::span<const std::byte>(*content).subspan(kListBytes), kListBytes);
+  ByteReader list(content->bytes);
+  SectionReader sections(std::span<const std::byte>(content->bytes).subspan(list_end), list_end);
   Status status = Done{};
-  for_each_section(objects, names, [&](const SectionKind& kind, auto& table) {
+  for_each_section(content->version, objects, names, [&](const SectionKind& kind, auto& table) {
     const SectionEntry entry = get_section_entry(list);
     if (status) status = sections.read(entry, kind, table, [](ByteReader& r, auto& e) { get(r, e); });
   });
@@ -171,7 +200,8 @@ Result<ModelObjects> decode_objects(std::span<const std::byte> bytes, const Cell
 uint64_t ModelObjects::byte_size() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   return bytes(animation.times) + bytes(animation.values) + bytes(animation.tracks) + bytes(animation.joints) +
-         bytes(moving) + bytes(moving_nodes) + bytes(class_shares);
+         bytes(moving) + bytes(moving_nodes) + bytes(class_shares) + bytes(footprints.all) +
+         bytes(footprints.loop_ends) + bytes(footprints.points);
 }
 
 }  // namespace promenade

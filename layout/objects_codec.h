@@ -11,7 +11,7 @@
 
 namespace promenade {
 
-constexpr uint32_t kObjectsVersion = 1;
+constexpr uint32_t kObjectsVersion = 2;
 
 /// owner: the tables that node ids are of. The same objects give the same bytes. Pure; any thread.
 std::vector<std::byte> encode_objects(const ModelObjects& objects, const CellsOwner& owner);

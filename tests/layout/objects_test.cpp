@@ -47,6 +47,7 @@ void expect_same(const ModelObjects& a, const ModelObjects& b) {
   EXPECT_EQ(a.moving_nodes, b.moving_nodes);
   EXPECT_EQ(a.classes, b.classes);
   EXPECT_EQ(a.class_shares, b.class_shares);
+  EXPECT_EQ(a.footprints, b.footprints);
 }
 
 std::string error_of(std::span<const std::byte> bytes, const CellsOwner& owner = kOwner) {
@@ -98,6 +99,29 @@ Status write_model(const std::filesystem::path& path, const ModelTables& tables,
   return writer->publish();
 }
 
+/// A house with a yard, and a shed.
+Footprints house_and_shed() {
+  Footprints f;
+  f.all = {{0, 9, 2}, {0.5F, 3, 3}};
+  f.loop_ends = {4, 8, 11};
+  f.points = {{0, 0}, {9, 0}, {9, 9}, {0, 9}, {3, 3}, {3, 6}, {6, 6}, {6, 3}, {20, 0}, {22, 0}, {21, 2}};
+  return f;
+}
+
+TEST(ObjectsCodec, footprints_come_back_and_only_they_need_the_second_version) {
+  ModelObjects objects = one_that_moves();
+  const std::vector<std::byte> before = encode_objects(objects, kOwner);
+  EXPECT_EQ(before[8], std::byte(1));
+  objects.footprints = house_and_shed();
+  const std::vector<std::byte> bytes = encode_objects(objects, kOwner);
+  EXPECT_EQ(bytes[8], std::byte(2));
+  const Result<ModelObjects> back = decode_objects(bytes, kOwner);
+  ASSERT_TRUE(back) << back.error().message;
+  expect_same(*back, objects);
+  for (size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_NE(error_of(std::span(bytes).first(size)), "") << "cut off after " << size;
+}
+
 TEST(ModelWithObjects, opens_again_and_says_that_older_programs_cannot_read_it) {
   const TemporaryFolder folder;
   const Status written = write_model(folder.path() / "m.prom", two_trees(), one_that_moves());
@@ -136,6 +160,8 @@ TEST(ModelWithObjects, unsound_ones_are_refused) {
   EXPECT_TRUE(refused([](ModelObjects& o) { o.class_shares[0].class_index = 3; }));
   EXPECT_TRUE(refused([](ModelObjects& o) { o.class_shares[0].area_m2 = -1; }));
   EXPECT_TRUE(refused([](ModelObjects& o) { o.animation.values[0] = std::nanf(""); }));
+  EXPECT_FALSE(refused([](ModelObjects& o) { o.footprints = house_and_shed(); }));
+  EXPECT_TRUE(refused([](ModelObjects& o) { o.footprints = house_and_shed(), o.footprints.points.pop_back(); }));
 }
 
 }  // namespace
