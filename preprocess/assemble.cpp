@@ -72,6 +72,7 @@ class Assembler {
     }
     grow_to_hold_children(first_moving);
     add_classes();
+    objects.footprints = survey_.footprints;
   }
 
   Status add_nodes(JobMonitor& monitor) {

@@ -129,6 +129,8 @@ double city_lod(const Json& geometry) {
   return lod.is_string() ? value : number(lod, -1);
 }
 
+bool is_city_solid(const Json& geometry) { return depth_of(text(member(geometry, "type"))) > 1; }
+
 void add_city_geometry(const Json& geometry, const std::vector<glm::dvec3>& vertices, const std::string& object_type,
                        CityAppearance& appearance, MeshBuilder& builder, Counts& counts) {
   const int depth = depth_of(text(member(geometry, "type")));

@@ -126,13 +126,16 @@ class CityReader {
     if (!geometries.is_array() || geometries.empty() || shown_by_parts(object, lod, objects)) return;
     const std::string type = text(member(object, "type"));
     MeshBuilder builder;
+    bool solid = true;
     for (const Json& geometry : geometries) {
       if (text(member(geometry, "type")) == "GeometryInstance")
         place_template(geometry, id, type, vertices);
-      else if (city_lod(geometry) == lod)
+      else if (city_lod(geometry) == lod) {
+        solid = solid && is_city_solid(geometry);
         add_city_geometry(geometry, vertices, type, appearance_, builder, counts());
+      }
     }
-    add_object(out_.scene, builder, id, type);
+    add_object(out_.scene, builder, id, type, solid);
   }
 
   void place_template(const Json& geometry, const std::string& id, const std::string& type,

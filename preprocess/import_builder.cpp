@@ -127,12 +127,14 @@ Mesh MeshBuilder::finish(glm::dvec3& offset) {
   return std::exchange(mesh_, {});
 }
 
-void add_object(Scene& scene, MeshBuilder& builder, const std::string& name, const std::string& class_name) {
+void add_object(Scene& scene, MeshBuilder& builder, const std::string& name, const std::string& class_name,
+                bool is_solid) {
   glm::dvec3 offset(0);
   Mesh mesh = builder.finish(offset);
   if (mesh.triangle_count() == 0) return;
   scene.instances.push_back(
       {static_cast<uint32_t>(scene.meshes.size()), glm::translate(glm::dmat4(1), offset), name, class_name});
+  scene.instances.back().is_solid = is_solid;
   scene.meshes.push_back(std::move(mesh));
 }
 

@@ -52,6 +52,7 @@ class MeshBuilder {
 };
 
 /// Adds the builder's mesh with an instance of it to the scene, unless it has no triangle.
-void add_object(Scene& scene, MeshBuilder& builder, const std::string& name, const std::string& class_name);
+void add_object(Scene& scene, MeshBuilder& builder, const std::string& name, const std::string& class_name,
+                bool is_solid = false);
 
 }  // namespace promenade

@@ -31,6 +31,7 @@ struct SceneInstance {
   /// What the object hangs on; kNoJoint: it stands still. world_from_mesh is then where it rests while nothing plays.
   uint32_t joint = kNoJoint;
   glm::dmat4 joint_from_mesh{1.0};
+  bool is_solid = false;  ///< the source says that the mesh is the surface of something solid
 };
 
 /// What import found and mended. Names of counts are stable: they go into the manifest and --json.

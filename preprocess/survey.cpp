@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <unordered_set>
 
 #include "codec/frame.h"
+#include "preprocess/footprints.h"
 
 namespace promenade {
 
@@ -98,6 +100,7 @@ uint64_t hash_of(const Scene& scene) {
     hash = hash_of(instance.world_from_mesh, hash_of(instance.mesh, hash));
     hash = checksum(std::as_bytes(std::span(instance.class_name)), hash_of(instance.joint, hash));
     if (instance.joint != kNoJoint) hash = hash_of(instance.joint_from_mesh, hash);
+    if (instance.is_solid) hash = hash_of(uint8_t(1), hash);
   }
   return hash_of(scene.animation, hash);
 }
@@ -142,6 +145,7 @@ class Surveyor {
       survey_.classes.try_emplace(instance.class_name, static_cast<uint32_t>(survey_.classes.size()));
       surveyed.triangles += scene.meshes[instance.mesh].triangle_count();
       if (instance.joint == kNoJoint) add_instance(scene.meshes[instance.mesh], instance.world_from_mesh);
+      if (instance.is_solid && instance.joint == kNoJoint) add_footprints(scene, instance);
     }
     add_objects(scene);
     survey_.triangles += surveyed.triangles;
@@ -161,6 +165,9 @@ class Surveyor {
     survey_.samples = keeper_.take();
     const glm::dvec3 far = glm::max(glm::abs(survey_.world_box.min), glm::abs(survey_.world_box.max));
     if (std::max({far.x, far.y, far.z}) > kFarFromZeroM) survey_.origin = glm::round(survey_.world_box.center());
+    const glm::dmat4 model_from_world = glm::translate(glm::dmat4(1), -survey_.origin);
+    for (const auto& [footprints, world_from_mesh] : footprints_)
+      if (const auto there = placed(footprints, model_from_world * world_from_mesh)) survey_.footprints.append(*there);
     return std::move(survey_);
   }
 
@@ -212,6 +219,11 @@ class Surveyor {
     }
   }
 
+  void add_footprints(const Scene& scene, const SceneInstance& instance) {
+    Footprints footprints = footprints_of(scene.meshes[instance.mesh], scene.materials);
+    if (!footprints.empty()) footprints_.emplace_back(std::move(footprints), instance.world_from_mesh);
+  }
+
   /// Many tiles may lack the same picture.
   void warn(const std::string& warning) {
     if (warned_.insert(warning).second) survey_.report.warnings.push_back(warning);
@@ -235,6 +247,7 @@ class Surveyor {
   TextureStore& textures_;
   SampleKeeper keeper_;
   Survey survey_;
+  std::vector<std::pair<Footprints, glm::dmat4>> footprints_;  ///< and world from their own space
   std::unordered_set<std::string> warned_;
   uint64_t serial_ = 0;
   uint64_t cached_bytes_ = 0;

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "layout/footprints.h"
 #include "preprocess/chunk_tree.h"
 #include "preprocess/import.h"
 #include "preprocess/memory_budget.h"
@@ -54,6 +55,7 @@ struct Survey {
   std::vector<SurveyedObject> objects;      ///< that move; by part
   std::map<std::string, uint32_t> classes;  ///< numbered as they are met
   uint32_t class_of(const std::string& name) const { return classes.at(name); }
+  Footprints footprints;  ///< of what the source says is solid; model space
   MaterialTable materials;
   ImportReport report;
   uint64_t hash = 0;  ///< of all parts
