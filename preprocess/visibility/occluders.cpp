@@ -11,6 +11,7 @@
 
 #include "preprocess/visibility/columns.h"
 #include "preprocess/visibility/contours.h"
+#include "preprocess/visibility/known_plans.h"
 #include "preprocess/visibility/leaf_meshes.h"
 
 namespace promenade {
@@ -56,13 +57,14 @@ std::array<size_t, 4> squares_of(const Ground& ground, const glm::dvec2& low, co
 class TileWork {
  public:
   /// ground: its squares' places; what is in them is not read.
-  TileWork(const ColumnGrid& grid, const SolidColumns& solid, const Box& core, const Ground& ground,
+  TileWork(const ColumnGrid& grid, const SolidColumns& solid, KnownPlans known, const Box& core, const Ground& ground,
            const OccluderOptions& options)
-      : grid_(grid), solid_(solid), core_(core), squares_(ground), options_(options) {}
+      : grid_(grid), solid_(solid), known_(std::move(known)), core_(core), squares_(ground), options_(options) {}
 
   TileResult run() {
     find_ground();
     label_regions();
+    known_.assign(region_of_);
     for (uint32_t region = 0; region < regions_.size(); ++region)
       if (is_ours(regions_[region])) add_occluder(regions_[region], region);
     survey_ground();
@@ -81,7 +83,12 @@ class TileWork {
   bool is_ours(const Region& region) const;
   void add_occluder(const Region& region, uint32_t number);
   std::vector<float> choose_tops(const Region& region) const;
-  void add_loops(const Region& region, uint32_t number, float top_m, std::array<std::vector<OccluderLoop>, 9>& loops);
+  std::vector<float> tops_of(const Region& region, uint32_t number) const;
+  using LoopsByErosion = std::array<std::vector<OccluderLoop>, 9>;
+  void add_loops(const Region& region, uint32_t number, float top_m, LoopsByErosion& loops);
+  void add_known(const KnownPlans::Outline& outline, LoopsByErosion& loops);
+  template <class Points>
+  void add_loop(const Points& points, bool hole, float top_m, float base_m, std::vector<OccluderLoop>& loops);
   float ground_at(uint32_t column) const {
     const uint32_t x = column % grid_.nx / block_, y = column / grid_.nx / block_;
     return ground_[size_t(y) * blocks_x_ + x];
@@ -92,6 +99,7 @@ class TileWork {
 
   const ColumnGrid& grid_;
   const SolidColumns& solid_;
+  KnownPlans known_;
   Box core_;
   const Ground& squares_;
   const OccluderOptions& options_;
@@ -155,11 +163,12 @@ void TileWork::survey_ground() {
       result_.ground.emplace_back((around[1] + i / width) * squares_.nx + around[0] + i % width, solid_m[i]);
 }
 
-/// Raised columns that hang together over their sides.
+/// Raised columns that hang together over their sides, or over those that known footprints touch.
 void TileWork::label_regions() {
   region_of_.assign(grid_.count(), kNoRegion);
+  const auto belongs = [&](uint32_t column) { return raised(column) || known_.touches(column); };
   for (uint32_t seed = 0; seed < grid_.count(); ++seed) {
-    if (region_of_[seed] != kNoRegion || !raised(seed)) continue;
+    if (region_of_[seed] != kNoRegion || !belongs(seed)) continue;
     const auto number = static_cast<uint32_t>(regions_.size());
     Region region{grid_.nx, grid_.ny, 0, 0, {seed}};
     region_of_[seed] = number;
@@ -168,7 +177,7 @@ void TileWork::label_regions() {
       region.x0 = std::min(region.x0, x), region.x1 = std::max(region.x1, x);
       region.y0 = std::min(region.y0, y), region.y1 = std::max(region.y1, y);
       const auto take = [&](uint32_t other) {
-        if (region_of_[other] != kNoRegion || !raised(other)) return;
+        if (region_of_[other] != kNoRegion || !belongs(other)) return;
         region_of_[other] = number;
         region.columns.push_back(other);
       };
@@ -196,7 +205,9 @@ bool TileWork::is_ours(const Region& region) const {
 std::vector<float> TileWork::choose_tops(const Region& region) const {
   std::vector<float> heights;
   heights.reserve(region.columns.size());
-  for (const uint32_t column : region.columns) heights.push_back(solid_.top_m[column]);
+  for (const uint32_t column : region.columns)
+    if (raised(column)) heights.push_back(solid_.top_m[column]);
+  if (heights.empty()) return {};
   std::sort(heights.begin(), heights.end());
   // Steps of the sorted heights: bins[i] starts at a height and holds what is less than a bin above it.
   struct Bin {
@@ -236,38 +247,65 @@ std::vector<float> TileWork::choose_tops(const Region& region) const {
   return tops;
 }
 
-void TileWork::add_loops(const Region& region, uint32_t number, float top_m,
-                         std::array<std::vector<OccluderLoop>, 9>& loops) {
-  Mask mask{region.x1 - region.x0 + 3, region.y1 - region.y0 + 3, {}};
-  mask.inside.assign(size_t(mask.nx) * mask.ny, 0);
+/// Where to cut a region: as its columns ask for, and where footprints end.
+std::vector<float> TileWork::tops_of(const Region& region, uint32_t number) const {
+  constexpr float kSameTopM = 0.05F;
+  std::vector<float> tops = choose_tops(region);
+  const std::vector<float> known = known_.tops_of(number);
+  for (size_t i = 0; i < std::min(known.size(), kMostTops); ++i)
+    if (std::none_of(tops.begin(), tops.end(), [&](float top) { return std::abs(top - known[i]) < kSameTopM; }))
+      tops.push_back(known[i]);
+  return tops;
+}
+
+/// Points in model space.
+template <class Points>
+void TileWork::add_loop(const Points& points, bool hole, float top_m, float base_m, std::vector<OccluderLoop>& loops) {
+  OccluderLoop entry{
+      top_m, base_m, static_cast<uint32_t>(result_.set.points.size()), static_cast<uint32_t>(points.size()), hole,
+      {},    {}};
+  Box bounds;
+  for (const auto& p : points) bounds.add({glm::vec2(p), 0});
+  if (!hole && std::max(bounds.size().x, bounds.size().y) < kLeastLoopM) return;
+  for (const auto& p : points) result_.set.points.push_back(glm::vec2(p));
+  entry.low = glm::vec2(bounds.min), entry.high = glm::vec2(bounds.max);
+  loops.push_back(entry);
+}
+
+void TileWork::add_known(const KnownPlans::Outline& outline, LoopsByErosion& loops) {
+  for (size_t k = 0; k < OccluderSet::kErosionsM.size(); ++k) {
+    const PlanLoops made = shrunk(outline.loops, double(OccluderSet::kErosionsM[k]) + kPlanStepM);
+    for (const PlanLoop& loop : made) add_loop(loop, area_m2({loop}) <= 0, outline.top_m, -kFar, loops[k]);
+    if (made.empty()) break;
+  }
+}
+
+void TileWork::add_loops(const Region& region, uint32_t number, float top_m, LoopsByErosion& loops) {
+  std::vector<uint32_t> columns;
   float base_m = -kFar;
   for (const uint32_t column : region.columns) {
     if (solid_.top_m[column] < top_m || region_of_[column] != number) continue;
+    columns.push_back(column);
+    base_m = std::max(base_m, solid_.base_m[column]);
+  }
+  if (columns.empty()) return;
+  if (const auto outline = known_.outline_of(number, top_m, columns)) return add_known(*outline, loops);
+  Mask mask{region.x1 - region.x0 + 3, region.y1 - region.y0 + 3, {}};
+  mask.inside.assign(size_t(mask.nx) * mask.ny, 0);
+  for (const uint32_t column : columns) {
     const uint32_t x = column % grid_.nx - region.x0 + 1, y = column / grid_.nx - region.y0 + 1;
     mask.inside[size_t(y) * mask.nx + x] = 1;
-    base_m = std::max(base_m, solid_.base_m[column]);
   }
   const std::vector<float> depths = squared_depths(mask);
   const glm::dvec2 low = place(double(region.x0) - 1, double(region.y0) - 1);
   for (size_t k = 0; k < OccluderSet::kErosionsM.size(); ++k) {
     const double erosion = double(OccluderSet::kErosionsM[k]);
-    const std::vector<Loop> made =
+    std::vector<Loop> made =
         loops_at_depth(mask, depths, erosion / grid_.column_m, (kLossM + 0.25 * erosion) / grid_.column_m);
-    for (const Loop& loop : made) {
-      OccluderLoop entry{top_m, base_m, static_cast<uint32_t>(result_.set.points.size()), 0, is_hole(loop), {}, {}};
-      Box bounds;
-      for (const glm::vec2& p : loop) {
-        const glm::vec2 point(low + glm::dvec2(p) * grid_.column_m);
-        bounds.add({point, 0});
-        result_.set.points.push_back(point);
-      }
-      if (!entry.is_hole && std::max(bounds.size().x, bounds.size().y) < kLeastLoopM) {
-        result_.set.points.resize(entry.first_point);
-        continue;
-      }
-      entry.point_count = static_cast<uint32_t>(loop.size());
-      entry.low = glm::vec2(bounds.min), entry.high = glm::vec2(bounds.max);
-      loops[k].push_back(entry);
+    for (Loop& loop : made) {
+      const bool hole = is_hole(loop);
+      for (glm::vec2& p : loop) p = glm::vec2(low + glm::dvec2(p) * grid_.column_m);
+      add_loop(loop, hole, top_m, base_m, loops[k]);
     }
     if (made.empty()) break;  // deeper there is nothing either
   }
@@ -275,7 +313,7 @@ void TileWork::add_loops(const Region& region, uint32_t number, float top_m,
 
 void TileWork::add_occluder(const Region& region, uint32_t number) {
   std::array<std::vector<OccluderLoop>, 9> loops;
-  for (const float top_m : choose_tops(region)) add_loops(region, number, top_m, loops);
+  for (const float top_m : tops_of(region, number)) add_loops(region, number, top_m, loops);
   Occluder occluder;
   occluder.base_m = -kFar;
   occluder.first_loop = static_cast<uint32_t>(result_.set.loops.size());
@@ -317,7 +355,27 @@ struct TileSource {
   const Ground& ground;
   const OccluderOptions& options;
   JobMonitor& monitor;
+  std::vector<Box> footprints;  ///< of each the plan
 };
+
+std::vector<Box> plans_of(const Footprints& footprints) {
+  std::vector<Box> boxes(footprints.all.size());
+  for (size_t i = 0; i < boxes.size(); ++i)
+    for (uint32_t l = footprints.first_loop(i); l < footprints.all[i].loops_end; ++l)
+      for (const glm::vec2& p : footprints.loop(l)) boxes[i].add({p, 0});
+  return boxes;
+}
+
+/// Footprints that lie within an area as a whole.
+std::vector<uint32_t> footprints_in(const TileSource& source, const Box& area) {
+  std::vector<uint32_t> numbers;
+  for (uint32_t i = 0; i < source.footprints.size(); ++i) {
+    const Box& plan = source.footprints[i];
+    if (plan.min.x >= area.min.x && plan.min.y >= area.min.y && plan.max.x <= area.max.x && plan.max.y <= area.max.y)
+      numbers.push_back(i);
+  }
+  return numbers;
+}
 
 /// Reads what a tile needs and works through it; where that takes too much, through its quarters.
 Result<TileResult> work_tile(const TileSource& source, const Box& core) {
@@ -344,7 +402,10 @@ Result<TileResult> work_tile(const TileSource& source, const Box& core) {
     }));
     solid = builder.finish();
   }
-  if (solid) return TileWork(grid, *solid, core, source.ground, options).run();
+  if (solid) {
+    KnownPlans known(source.model.model().objects.footprints, footprints_in(source, around), grid, *solid);
+    return TileWork(grid, *solid, std::move(known), core, source.ground, options).run();
+  }
   TileResult made;
   for (const float y : {0.0F, 0.5F})
     for (const float x : {0.0F, 0.5F}) {
@@ -483,7 +544,7 @@ Result<OccluderSet> extract_occluders(const ModelReader& model, const OccluderOp
   std::atomic<bool> stop = false;
   size_t next = 0, done = 0;
   using Made = std::shared_ptr<Result<TileResult>>;
-  const TileSource source{model, box, set.ground, options, monitor};
+  const TileSource source{model, box, set.ground, options, monitor, plans_of(model.model().objects.footprints)};
   tbb::parallel_pipeline(
       std::clamp<size_t>(options.memory_bytes / (most_tile_bytes(options) + kTileRoom), 1,
                          2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency())),

@@ -68,6 +68,7 @@ TEST(ImportCityJson, building_is_named_classed_and_keeps_its_millimetres) {
   city["vertices"][0][0] = -1;  // one millimetre out
   const Scene scene = imported(city);
   ASSERT_EQ(scene.instances.size(), 1U);
+  EXPECT_TRUE(scene.instances[0].is_solid);
   EXPECT_EQ(scene.instances[0].name, "house-1");
   EXPECT_EQ(scene.instances[0].class_name, "Building");
   EXPECT_EQ(count(scene, "triangles"), 12U);
@@ -91,6 +92,7 @@ TEST(ImportCityJson, cityjson_building_with_courtyard_has_a_hole_in_its_roof) {
   EXPECT_EQ(scene.meshes[0].triangle_count(), 8U);
   for (size_t t = 0; t < 8; ++t) EXPECT_GT(triangle_cross(scene.meshes[0], t).z, 0);
   EXPECT_TRUE(scene.materials[0].two_sided);
+  EXPECT_FALSE(scene.instances[0].is_solid);
 }
 
 TEST(ImportCityJson, highest_level_of_detail_wins) {

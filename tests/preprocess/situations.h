@@ -9,6 +9,7 @@
 
 #include "codec/geometry_codec.h"
 #include "layout/model_io.h"
+#include "preprocess/footprints.h"
 #include "tests/preprocess/surfaces.h"
 #include "tests/temporary_folder.h"
 
@@ -58,10 +59,13 @@ inline Mesh turned_block(const glm::vec2& middle, const glm::vec2& half, float l
 
 using Objects = std::vector<std::pair<std::string, Mesh>>;
 
+/// What the source says of its objects.
+enum class Tell : uint8_t { nothing, footprints };
+
 /// The objects as a model: leaves that are roots, in their order.
 class SituationModel {
  public:
-  explicit SituationModel(const Objects& objects) {
+  explicit SituationModel(const Objects& objects, Tell tell = Tell::nothing) {
     Result<ModelWriter> writer = ModelWriter::create(folder_ / "situation.prom");
     EXPECT_TRUE(writer.ok());
     ModelTables tables;
@@ -85,8 +89,12 @@ class SituationModel {
       tables.roots.push_back(NodeId{number_[name]});
       tables.nodes.push_back(node);
     }
-    const Status finished = writer->finish(std::move(tables), std::move(manifest));
+    ModelObjects told;
+    if (tell == Tell::footprints)
+      for (const auto& [name, mesh] : objects) told.footprints.append(footprints_of(mesh, tables.materials));
+    const Status finished = writer->stage(std::move(tables), std::move(manifest), std::move(told));
     EXPECT_TRUE(finished.ok()) << (finished.ok() ? "" : finished.error().message);
+    EXPECT_TRUE(writer->publish().ok());
     Result<ModelReader> opened = ModelReader::open(folder_ / "situation.prom");
     EXPECT_TRUE(opened.ok()) << (opened.ok() ? "" : opened.error().message);
     reader_.emplace(std::move(*opened));
