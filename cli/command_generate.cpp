@@ -110,7 +110,10 @@ Command add_generate(CLI::App& program) {
          "city or building")
       ->required()
       ->check(CLI::IsMember({"city", "building"}));
-  app->add_option("-o,--output", arguments->output, "FILE.glb, or a folder for tiles")->required();
+  app->add_option("-o,--output", arguments->output,
+                  "FILE.glb, or a folder for tiles; of a city also FILE.city.jsonl: CityJSON, "
+                  "its buildings plain closed solids")
+      ->required();
   app->add_option_function<uint64_t>(
          "--seed", [arguments](uint64_t seed) { arguments->city.seed = arguments->building.seed = seed; },
          "Another seed, another city")

@@ -90,6 +90,7 @@ Json json_of_model(const Model& model) {
           {"bytes_by_file", files},
           {"moving_objects", model.objects.moving.size()},
           {"moving_nodes", model.objects.moving_nodes.size()},
+          {"footprints", model.objects.footprints.all.size()},
           {"classes", json_of_classes(model.objects)},
           {"levels", json_of_levels(summarize_levels(model.tables))},
           {"import_counts", manifest.import_counts},

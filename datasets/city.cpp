@@ -19,6 +19,7 @@
 #include "codec/image_codec.h"
 #include "datasets/city_budget.h"
 #include "datasets/city_path.h"
+#include "datasets/city_solids.h"
 #include "datasets/city_texture.h"
 #include "datasets/city_tile.h"
 #include "layout/file_io.h"
@@ -72,6 +73,8 @@ Status check(const CityOptions& o) {
     return Error{fmt::format("city: {} moving cars are too many: at most {}", o.moving, kMostMoving)};
   if (o.plain && (o.interiors || o.texture_megapixels > 0))
     return Error{"city: plain buildings have neither interiors nor textures"};
+  if (o.solids && (o.interiors || o.texture_megapixels > 0 || o.moving > 0))
+    return Error{"city: CityJSON holds neither interiors nor textures here, and nothing that moves"};
   if (o.blocks_x > kMostBlocks || o.blocks_y > kMostBlocks || uint64_t(o.blocks_x) * o.blocks_y > kMostBlocks)
     return Error{fmt::format("city: {} x {} blocks are too many: at most {}", o.blocks_x, o.blocks_y, kMostBlocks)};
   const double narrow = std::min(o.block_length_m, o.block_width_m);
@@ -143,7 +146,7 @@ class CityWriter {
   Tiling tiling_;
   uint32_t tile_ = 0, in_tile_ = 0;  ///< of the next work
   uint64_t done_ = 0;
-  std::optional<CityTile> open_tile_;
+  std::unique_ptr<CityFile> open_tile_;
   CityFigures figures_;
   std::optional<Error> error_;
   std::atomic<bool> stop_ = false;
@@ -193,9 +196,10 @@ Status CityWriter::take(Work& work) {
   if (work.error) return *work.error;
   if (monitor_.cancelled()) return Error{"interrupted"};
   if (!open_tile_) {
-    Result<CityTile> tile = CityTile::create(file_of(work.tile));
+    const fs::path file = file_of(work.tile);
+    Result<std::unique_ptr<CityFile>> tile = budget_.options.solids ? CitySolids::create(file) : CityTile::create(file);
     if (!tile) return tile.error();
-    open_tile_.emplace(std::move(*tile));
+    open_tile_ = std::move(*tile);
   }
   PROMENADE_TRY(open_tile_->add(work.block, work.x, work.y, work.facades, props_, figures_));
   monitor_.progress("city", ++done_, uint64_t(tiling_.blocks_x) * tiling_.blocks_y);
@@ -255,7 +259,9 @@ class Undo {
 };
 
 fs::path beside(const fs::path& output, const char* ending) {
-  const std::string name = output.extension() == ".glb" ? output.stem().string() : output.filename().string();
+  std::string name = output.filename().string();
+  for (const char* extension : {".glb", ".jsonl", ".city"})
+    if (name.ends_with(extension)) name.resize(name.size() - std::string_view(extension).size());
   return output.parent_path() / (name + ending);
 }
 
@@ -293,8 +299,8 @@ Result<CityFigures> generate(const CityOptions& options, const fs::path& output,
         fmt::format("city: {} x {} blocks hold about {:.0f} triangles at this detail, not the {} asked for; "
                     "other numbers of blocks would",
                     budget.options.blocks_x, budget.options.blocks_y, budget.triangles, options.triangles));
-  const bool one_file = output.extension() == ".glb";
-  if (one_file && budget.unique_triangles * kBytesPerUniqueTriangle > 4.2e9)
+  const bool one_file = output.extension() == ".glb" || options.solids;
+  if (one_file && !options.solids && budget.unique_triangles * kBytesPerUniqueTriangle > 4.2e9)
     return Error{fmt::format("{}: {} triangles do not fit into one .glb file (4 GiB): name a folder instead",
                              output.string(), options.triangles)};
   const Result<fs::path> target = make_target(output, one_file);
@@ -316,7 +322,9 @@ Result<CityFigures> generate(const CityOptions& options, const fs::path& output,
 
 }  // namespace
 
-Result<CityFigures> generate_city(const CityOptions& options, const fs::path& output, JobMonitor& monitor) {
+Result<CityFigures> generate_city(const CityOptions& wanted, const fs::path& output, JobMonitor& monitor) {
+  CityOptions options = wanted;
+  options.solids = is_city_solids(output);
   PROMENADE_TRY(check(options));
   if (!output.has_filename()) return Error{"city: no name given for the output: a .glb file or a folder"};
   const int jobs = options.jobs > 0 ? static_cast<int>(options.jobs) : tbb::this_task_arena::max_concurrency();

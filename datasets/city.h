@@ -27,6 +27,7 @@ struct CityOptions {
   double tree_distance_m = 12;          ///< 0: no trees
   uint32_t moving = 0;                  ///< cars that drive: animated objects, beyond `triangles`
   bool plain = false;                   ///< [xiong1996]'s: bands of colour, dividers; on the streets trees alone
+  bool solids = false;                  ///< set where the output is CityJSON: closed blocks, flat on top
   bool interiors = false;               ///< furnished rooms behind the windows
   double texture_megapixels = 0;        ///< unique facade textures, all together; 0: colours only
   uint64_t tile_triangles = 1'000'000;  ///< a city larger than this is written as a folder of tiles of about this size
@@ -41,9 +42,9 @@ struct CityFigures {
   DBox box;
 };
 
-/// Writes `output` (a .glb, or a folder of tiles when it has no such ending) and, beside it, NAME_walk.json,
-/// NAME_drive.json and NAME_fly.json: a street walk at 1.4 m/s, a drive at 100 km/h, a fly-over. Memory stays bounded
-/// whatever `triangles` is. Nothing stays half-written.
+/// Writes `output` (a .glb, or `solids` as CityJSON text sequences to a .jsonl, or a folder of tiles when it has no
+/// such ending) and, beside it, NAME_walk.json, NAME_drive.json and NAME_fly.json: a street walk at 1.4 m/s, a drive at
+/// 100 km/h, a fly-over. Memory stays bounded whatever `triangles` is. Nothing stays half-written.
 Result<CityFigures> generate_city(const CityOptions& options, const std::filesystem::path& output, JobMonitor& monitor);
 
 }  // namespace promenade

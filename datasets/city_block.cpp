@@ -100,7 +100,7 @@ int BlockMaker::level(PropClass prop, Random& random) const {
 }
 
 void BlockMaker::add_prop(PropClass prop, uint32_t variant, const glm::dvec2& at, double yaw_rad, double scale) {
-  if (plan_.options().plain && prop != PropClass::tree) return;
+  if (plan_.options().solids || (plan_.options().plain && prop != PropClass::tree)) return;
   Random random(plan_.options().seed, {0x9409, x_, y_, result_.props.size()});
   const PropKind kind{prop, variant, level(prop, random)};
   result_.triangles += props_.mesh(kind).triangle_count();
@@ -140,7 +140,7 @@ void BlockMaker::add_building(const Lot& lot) {
   Shape shape(options_.counting);
   FacadeSketch sketch;
   const HouseOptions house_options{options_.detail, plan_.options().interiors, plan_.options().texture_megapixels > 0,
-                                   plan_.options().plain};
+                                   plan_.options().solids, plan_.options().plain};
   build_house(shape, house, house_options, sketch);
   ++result_.buildings;
   result_.facade_m2 += static_cast<double>(sketch.around_m) * sketch.height_m;

@@ -13,6 +13,8 @@
 namespace promenade {
 namespace {
 
+constexpr float kBelowGroundM = 0.2F;  // where walls end that nobody sees end
+
 enum class Character : uint8_t { masonry, plaster, office, glass_tower, house };
 
 Color pick(Random& random, std::initializer_list<Color> colors) {
@@ -115,6 +117,7 @@ class HouseBuilder {
     float bottom, top;
   };
   std::vector<Segment> segments(float walls_top) const;
+  void build_solid(const std::vector<Segment>& all);
   void build_segment(const Segment& segment, bool ground, bool last);
   void build_walls(const Segment& segment, bool ground);
   void build_bands(const Segment& segment, bool ground);
@@ -195,10 +198,35 @@ void HouseBuilder::build() {
         plan_.seed,     {}};
   }
   const std::vector<Segment> all = segments(walls_top);
+  if (options_.solid) return build_solid(all);
   for (size_t k = 0; k < all.size(); ++k) build_segment(all[k], k == 0, k + 1 == all.size());
   build_roof(shape_,
              {roof, all.back().outline, all.back().top, plan_.height_m, tier_, style_.trim, style_.wall, style_.accent},
              random.fork(6));
+}
+
+/// One closed surface: every edge is shared by two triangles.
+void HouseBuilder::build_solid(const std::vector<Segment>& all) {
+  paint(style_.wall);
+  const auto cap = [&](std::span<const glm::vec2> outline, float z, bool up) {
+    const std::vector<uint32_t> corners = triangulated(outline);
+    for (size_t t = 0; t + 2 < corners.size(); t += 3) {
+      const glm::vec3 a(outline[corners[t]], z), b(outline[corners[t + 1]], z), c(outline[corners[t + 2]], z);
+      shape_.face(a, up ? b : c, up ? c : b);
+    }
+  };
+  const auto band = [&](std::span<const glm::vec2> low, float z0, std::span<const glm::vec2> high, float z1) {
+    for (size_t i = 0; i < low.size(); ++i) {
+      const size_t next = (i + 1) % low.size();
+      shape_.face({low[i], z0}, {low[next], z0}, {high[next], z1}, {high[i], z1});
+    }
+  };
+  cap(all.front().outline, -kBelowGroundM, false);
+  for (size_t k = 0; k < all.size(); ++k) {
+    band(all[k].outline, k == 0 ? -kBelowGroundM : all[k].bottom, all[k].outline, all[k].top);
+    if (k + 1 < all.size()) band(all[k].outline, all[k].top, all[k + 1].outline, all[k].top);
+  }
+  cap(all.back().outline, all.back().top, true);
 }
 
 void HouseBuilder::build_segment(const Segment& segment, bool ground, bool last) {
@@ -216,7 +244,6 @@ void HouseBuilder::build_segment(const Segment& segment, bool ground, bool last)
 /// A building of [xiong1996]'s: bands of a floor, or of some where there is to be little detail, in one colour or in
 /// two by turns.
 void HouseBuilder::build_bands(const Segment& segment, bool ground) {
-  constexpr float kBelowGroundM = 0.2F;
   Random random = random_.fork(10);
   const bool alternating = random.chance(0.5);
   constexpr double kMostFloors = 4;

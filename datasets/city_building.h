@@ -29,6 +29,7 @@ struct HouseOptions {
   double detail = 2;       ///< [0, kMaxTier]: facade tiers, blended over buildings
   bool interiors = false;  ///< furnished rooms behind the windows
   bool textured = false;   ///< walls carry texture coordinates and kTexturedWall
+  bool solid = false;      ///< nothing but segments, closed from below the ground to a flat top
   bool plain = false;      ///< no windows: floors in one colour or two, and dividers between them
 };
 

@@ -10,14 +10,14 @@
 #include "geometry/animation.h"
 
 namespace promenade {
-Result<CityTile> CityTile::create(const std::filesystem::path& path) {
+Result<std::unique_ptr<CityFile>> CityTile::create(const std::filesystem::path& path) {
   Result<GlbWriter> writer = GlbWriter::create(path, "Promenade city generator");
   if (!writer) return writer.error();
   writer->add_material("painted", Material{});
   Material glass;
   glass.alpha = AlphaMode::blend;
   writer->add_material("glass", glass);
-  return CityTile(std::move(*writer));
+  return std::unique_ptr<CityFile>(new CityTile(std::move(*writer)));
 }
 
 Status CityTile::add_object(const UniqueObject& object, const EncodedFacade& facade, CityFigures& figures) {

@@ -3,29 +3,21 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 
-#include "datasets/city.h"
-#include "datasets/city_block.h"
-#include "datasets/city_traffic.h"
+#include "datasets/city_file.h"
 #include "datasets/glb_writer.h"
 
 namespace promenade {
 
-/// A facade's picture, encoded.
-struct EncodedFacade {
-  std::vector<std::byte> jpeg;
-  uint64_t pixels = 0;
-};
-
-/// Writes blocks in the order given. One thread.
-class CityTile {
+/// A .glb.
+class CityTile : public CityFile {
  public:
-  static Result<CityTile> create(const std::filesystem::path& path);
-  /// facades: by object; empty where an object has none. Counts what it writes in `figures`.
+  static Result<std::unique_ptr<CityFile>> create(const std::filesystem::path& path);
   Status add(const CityBlock& block, uint32_t x, uint32_t y, const std::vector<EncodedFacade>& facades,
-             PropLibrary& props, CityFigures& figures);
-  Status add_traffic(const std::vector<MovingCar>& cars, PropLibrary& props, CityFigures& figures);
-  Status finish() { return writer_.finish(); }
+             PropLibrary& props, CityFigures& figures) override;
+  Status add_traffic(const std::vector<MovingCar>& cars, PropLibrary& props, CityFigures& figures) override;
+  Status finish() override { return writer_.finish(); }
 
  private:
   explicit CityTile(GlbWriter writer) : writer_(std::move(writer)) {}

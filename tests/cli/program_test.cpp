@@ -573,5 +573,17 @@ TEST(Building, one_triangle_is_a_model_that_can_be_looked_at) {
   EXPECT_GT(fs::file_size(folder.path() / "one.png"), 100U);
 }
 
+TEST(Footprints, a_city_in_cityjson_tells_the_plan_of_every_building) {
+  const TemporaryFolder folder;
+  const ProgramRun made = run_program("generate city --triangles 30000 -o c.city.jsonl --json g.json", folder.path());
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const ProgramRun built = run_program("build c.city.jsonl -o c.prom --jobs 2", folder.path());
+  ASSERT_EQ(built.exit_code, 0) << built.err;
+  ASSERT_EQ(run_program("info c.prom --json i.json", folder.path()).exit_code, 0);
+  const json told = json_in(folder.path() / "i.json"), there = json_in(folder.path() / "g.json");
+  EXPECT_GE(told["footprints"], there["buildings"]) << "of a stepped tower several";
+  EXPECT_GT(there["buildings"], 10);
+}
+
 }  // namespace
 }  // namespace promenade

@@ -448,5 +448,81 @@ TEST_F(CityTest, names_a_place_where_it_cannot_write) {
   }
 }
 
+/// The features of a CityJSON text sequence, its header checked.
+std::vector<json> features_of(const fs::path& path) {
+  std::ifstream in(path);
+  std::string line;
+  std::vector<json> features;
+  while (std::getline(in, line)) features.push_back(json::parse(line));
+  if (features.empty()) return features;
+  EXPECT_EQ(features[0]["type"], "CityJSON");
+  EXPECT_EQ(features[0]["transform"]["scale"], json({0.001, 0.001, 0.001}));
+  features.erase(features.begin());
+  return features;
+}
+
+/// Edges of a shell that no other face uses the other way.
+size_t open_edges(const json& shell) {
+  std::map<std::pair<int, int>, int> edges;
+  for (const json& surface : shell)
+    for (size_t i = 0; i < 3; ++i) {
+      const int a = surface[0][i], b = surface[0][(i + 1) % 3];
+      edges[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+  return static_cast<size_t>(std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second != 0; }));
+}
+
+double volume_m3(const json& shell, const json& vertices) {
+  double six = 0;
+  for (const json& surface : shell) {
+    std::array<std::array<double, 3>, 3> p{};
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t k = 0; k < 3; ++k) p[i][k] = vertices[surface[0][i].get<size_t>()][k].get<double>() * 0.001;
+    six += p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) - p[0][1] * (p[1][0] * p[2][2] - p[1][2] * p[2][0]) +
+           p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
+  }
+  return six / 6;
+}
+
+TEST_F(CityTest, buildings_in_cityjson_are_closed_solids_that_face_outwards) {
+  for (const StreetStyle style : {StreetStyle::grid, StreetStyle::organic}) {
+    CityOptions options = small_city();
+    options.style = style;
+    const Result<CityFigures> made = generate(options, at("c.city.jsonl"));
+    ASSERT_TRUE(made) << made.error().message;
+    uint64_t buildings = 0, triangles = 0;
+    for (const json& feature : features_of(at("c.city.jsonl"))) {
+      const json& geometry = feature["CityObjects"].begin().value()["geometry"][0];
+      const bool building = feature["CityObjects"].begin().value()["type"] == "Building";
+      EXPECT_EQ(geometry["type"], building ? "Solid" : "MultiSurface");
+      const json& surfaces = building ? geometry["boundaries"][0] : geometry["boundaries"];
+      triangles += surfaces.size();
+      if (!building) continue;
+      ++buildings;
+      EXPECT_EQ(open_edges(surfaces), 0U) << feature["id"];
+      EXPECT_GT(volume_m3(surfaces, feature["vertices"]), 10) << feature["id"];
+      EXPECT_EQ(geometry["semantics"]["values"][0].size(), surfaces.size());
+    }
+    EXPECT_GT(buildings, 10U);
+    EXPECT_EQ(buildings, made->buildings);
+    EXPECT_EQ(triangles, made->triangles);
+    EXPECT_TRUE(fs::exists(at("c_walk.json")));
+  }
+}
+
+TEST_F(CityTest, cityjson_has_the_same_bytes_whatever_the_threads_and_refuses_what_it_cannot_hold) {
+  CityOptions options = small_city();
+  options.jobs = 1;
+  ASSERT_TRUE(generate(options, at("a.city.jsonl")));
+  options.jobs = 2;
+  ASSERT_TRUE(generate(options, at("b.city.jsonl")));
+  EXPECT_EQ(bytes_of(at("a.city.jsonl")), bytes_of(at("b.city.jsonl")));
+  options.moving = 3;
+  const Result<CityFigures> moving = generate(options, at("m.city.jsonl"));
+  ASSERT_FALSE(moving);
+  EXPECT_THAT(moving.error().message, HasSubstr("CityJSON"));
+  EXPECT_FALSE(fs::exists(at("m.city.jsonl")));
+}
+
 }  // namespace
 }  // namespace promenade
