@@ -17,13 +17,11 @@ namespace {
 using testing::ElementsAre;
 using testing::FloatNear;
 
-const std::vector<Material> kMaterials = {Material{}, [] {
-                                            Material glass;
-                                            glass.alpha = AlphaMode::blend;
-                                            return glass;
-                                          }()};
-
-Footprints footprints_in(const Mesh& mesh) { return footprints_of(mesh, kMaterials); }
+Footprints footprints_in(const Mesh& mesh) {
+  std::vector<Material> materials(2);
+  materials[kGlassPane].alpha = AlphaMode::blend;
+  return footprints_of(mesh, materials);
+}
 
 double area_of(const Footprints& footprints, size_t number) {
   PlanLoops loops;
