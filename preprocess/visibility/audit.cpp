@@ -12,7 +12,8 @@
 namespace promenade {
 namespace {
 
-constexpr double kBesideM = 0.001;  // what is narrower is a slit; what is twice as wide is none
+constexpr double kSlitM = 0.002;  // what is as wide is none
+constexpr int kSlitSteps = 8;     // in which the width is measured: what is two steps narrower is a slit for certain
 
 /// A narrow picture: everything of the sphere about `at` is in it.
 RasterView aimed_view(const glm::dvec3& eye, const glm::dvec3& at, double radius_m, uint32_t side_px) {
@@ -166,6 +167,27 @@ class CellLooks {
     return met->has_value() ? hidden_[**met] != 0 : true;  // what no node of the front stands for explains nothing
   }
 
+  /// Whether what lets a ray through is narrower than a slit along one of four lines across it: a slit in whatever
+  /// direction is along one of them.
+  Result<bool> comes_through_a_slit(const RasterView& view, uint32_t x, uint32_t y) {
+    constexpr double kDiagonal = 0.70710678;
+    const glm::dvec3 way = glm::normalize(ray_direction(view, x + 0.5, y + 0.5));
+    const glm::dvec3 right = glm::normalize(glm::cross(way, view.up)), up = glm::cross(right, way);
+    for (const auto& [a, b] : {std::pair(1.0, 0.0), {0.0, 1.0}, {kDiagonal, kDiagonal}, {kDiagonal, -kDiagonal}}) {
+      int open = 0;
+      for (const double side : {1.0, -1.0})
+        for (int step = 1; open < kSlitSteps - 1; ++step, ++open) {
+          RasterView beside = view;
+          beside.eye += (right * a + up * b) * (side * step * kSlitM / kSlitSteps);
+          const Result<bool> also = meets_hidden(beside, x, y);
+          if (!also) return also.error();
+          if (!*also) break;
+        }
+      if (open < kSlitSteps - 1) return true;
+    }
+    return false;
+  }
+
   Status explain(const RasterView& view, uint32_t x, uint32_t y, uint32_t item) {
     if (looks_.truly_seen[item] != 0) return Done{};
     const Result<bool> seen = meets_hidden(view, x, y);
@@ -175,20 +197,9 @@ class CellLooks {
       return Done{};
     }
     const glm::dvec3 at = view.eye + ray_direction(view, x + 0.5, y + 0.5) * double(buffer_.depth_m(x, y));
-    // Along each of four lines across the view one of two rays beside it must get there, too: a slit in whatever
-    // direction ends both along one of them.
-    constexpr double kDiagonal = 0.70710678;
-    for (const auto& [right, up] : {std::pair(1.0, 0.0), {0.0, 1.0}, {kDiagonal, kDiagonal}, {kDiagonal, -kDiagonal}}) {
-      bool either = false;
-      for (const double side_m : {kBesideM, -kBesideM}) {
-        if (either) break;
-        RasterView beside = view;
-        beside.eye += (view.right * right + view.up * up) * side_m;
-        const Result<bool> also = meets_hidden(beside, x, y);
-        if (!also) return also.error();
-        either = *also;
-      }
-      if (either) continue;
+    const Result<bool> narrow = comes_through_a_slit(view, x, y);
+    if (!narrow) return narrow.error();
+    if (*narrow) {
       ++looks_.slit_pixels;
       looks_.slits.push_back({view.eye, at, front_[item]});
       return Done{};

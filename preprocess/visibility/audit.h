@@ -40,9 +40,9 @@ struct Looks {
   /// Pixels that show a hidden node only because what is drawn has a crack there: at full detail, the same ray ends
   /// before, on a node that is kept.
   uint64_t crack_pixels = 0;
-  /// Pixels whose ray gets to a hidden node at full detail, too, but through a slit narrower than a millimetre or two,
-  /// such as vertices rounded along an edge leave: along one of four lines across the view, neither of the two parallel
-  /// rays a millimetre to its sides gets there.
+  /// Pixels whose ray gets to a hidden node at full detail, too, but through a slit narrower than two millimetres, such
+  /// as vertices rounded along an edge leave: the parallel rays that get there, too, span less than that along one of
+  /// four lines across it.
   uint64_t slit_pixels = 0;
   /// By item of the front: shown at a pixel that neither explains.
   std::vector<uint8_t> truly_seen;

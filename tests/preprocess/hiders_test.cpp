@@ -302,7 +302,7 @@ TEST(Audit, tells_slits_of_rounded_vertices_from_what_is_truly_seen) {
     EXPECT_EQ(looks->missed.size(), judge(model.reader().model(), front, hidden, *looks).missed_nodes);
     return judge(model.reader().model(), front, hidden, *looks);
   };
-  const CellVerdict slit = verdict(0.0009F), hole = verdict(0.006F);
+  const CellVerdict slit = verdict(0.0017F), hole = verdict(0.0021F);
   EXPECT_GT(slit.slit_pixels, 0U);
   EXPECT_EQ(slit.missed_nodes, 0U);
   EXPECT_GT(hole.false_hidden_pixels, 0U);
