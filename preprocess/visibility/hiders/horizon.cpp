@@ -70,9 +70,11 @@ class CellWork {
   using Ground = OccluderSet::Ground;
   enum class State : uint8_t { open, seen };
   enum class Fate : uint8_t { unseen, open, seen };
+  enum class Slipped : uint8_t { unknown, no, yes };
   using Targets = std::vector<uint32_t>;
 
-  Fate fate_of(const NodePart& part);
+  Fate fate_of(const NodePart& part, bool may_slip);
+  bool is_slipped_under(size_t usable);
   void gather_targets();
   void gather_occluders(const std::vector<UsableOccluder>& occluders);
   void look_from_corners();
@@ -109,18 +111,19 @@ class CellWork {
   float eyes_from_m_ = 0;               ///< no eye is lower
   float lowest_m_ = 0;                  ///< no ray that matters goes below
   std::vector<UsableOccluder> usable_;  ///< nearest first
+  std::vector<Slipped> slipped_;        ///< by usable one: whether rays may run beneath it
   AzimuthHorizon horizon_;
   std::vector<BoxInView> views_;  ///< of the targets that it was filled for; empty: these are many
 };
 
 /// What rays from the cell may do on their way to a part. Eyes are in the air, so above the ground; what lies below the
 /// ground is seen only by rays that slip under it.
-CellWork::Fate CellWork::fate_of(const NodePart& part) {
+CellWork::Fate CellWork::fate_of(const NodePart& part, bool may_slip) {
   if (faces_away_from_cell(part.cone, part.box, cell_)) return Fate::unseen;
   const Ground& ground = set_.ground;
   const float solid = ground.solid_below(part.box);
   float lowest = part.box.min.z;
-  if (lowest < solid && !ground.has_slips(cell_, part.box)) {
+  if (lowest < solid && !(may_slip && ground.has_slips(cell_, part.box))) {
     if (part.box.max.z < solid) return Fate::unseen;
     lowest = solid;
   }
@@ -141,8 +144,11 @@ void CellWork::gather_targets() {
       continue;
     }
     const size_t first = targets_.size();
+    Box whole;
+    for (const NodePart& part : parts_.of(i)) whole.add(part.box);
+    const bool may_slip = set_.ground.has_slips(cell_, whole);
     for (const NodePart& part : parts_.of(i)) {
-      const Fate fate = fate_of(part);
+      const Fate fate = fate_of(part, may_slip);
       if (fate == Fate::open) targets_.push_back({part.box, i}), boxes_[i].add(part.box);
       if (fate != Fate::seen) continue;
       state_[i] = State::seen;
@@ -157,12 +163,21 @@ void CellWork::gather_occluders(const std::vector<UsableOccluder>& occluders) {
   for (const UsableOccluder& each : occluders) {
     const Occluder& occluder = *each.occluder;
     if (occluder.base_m > lowest_m_) continue;
-    // A ray may be under an occluder that goes all the way down when it slipped under the ground before.
-    if (lowest_m_ < set_.ground.slips_top_m && set_.ground.has_slips(cell_, occluder.box)) continue;
     usable_.push_back({&occluder, each.error_m, plan_distance(occluder.box, cell_)});
   }
   std::stable_sort(usable_.begin(), usable_.end(),
                    [](const UsableOccluder& a, const UsableOccluder& b) { return a.distance_m < b.distance_m; });
+  slipped_.assign(usable_.size(), Slipped::unknown);
+}
+
+/// A ray may be under an occluder that goes all the way down when it slipped under the ground before. Asked of those
+/// alone that would hide something: most of a city's never would.
+bool CellWork::is_slipped_under(size_t usable) {
+  if (lowest_m_ >= set_.ground.slips_top_m) return false;
+  Slipped& known = slipped_[usable];
+  if (known == Slipped::unknown)
+    known = set_.ground.has_slips(cell_, usable_[usable].occluder->box) ? Slipped::yes : Slipped::no;
+  return known == Slipped::yes;
 }
 
 void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float erosion_m) {
@@ -184,9 +199,10 @@ void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float
     }
   }
   horizon_.wants_complete();
-  for (const UsableOccluder& usable : usable_) {
+  for (size_t i = 0; i < usable_.size(); ++i) {
+    const UsableOccluder& usable = usable_[i];
     const ErodedLoops loops = eroded_loops(set_, usable, erosion_m);
-    if (loops.loops.empty() || !horizon_.worth_adding(usable.occluder->box)) continue;
+    if (loops.loops.empty() || !horizon_.worth_adding(usable.occluder->box) || is_slipped_under(i)) continue;
     // A ray beside the middle's meets the solid within that of where the middle's ray meets the loop: outside the cell.
     const Box clear = cell_.grown(erosion_m + usable.error_m);
     for (const OccluderLoop& loop : loops.loops) {
