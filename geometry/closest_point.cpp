@@ -223,15 +223,25 @@ struct ClosestPointTree::Builder {
     for (uint32_t begin = range.begin; begin < range.end; begin += kLanes, ++blocks) {
       tree.blocks_.emplace_back();
       TriangleBlock& block = tree.blocks_.back();
-      for (uint32_t lane = 0; lane < kLanes; ++lane) {
-        const uint32_t item = std::min(begin + lane, range.end - 1);  // spare lanes repeat the last triangle
-        set_lane(block, lane, items[item].triangle());
-        if (begin + lane < range.end)
-          tree.slot_of_triangle_[items[item].triangle()] =
-              static_cast<uint32_t>((tree.blocks_.size() - 1) * kLanes + lane);
+      const uint32_t count = std::min(range.end - begin, static_cast<uint32_t>(kLanes));
+      for (uint32_t lane = 0; lane < count; ++lane) {
+        const uint32_t triangle = items[begin + lane].triangle();
+        set_lane(block, lane, triangle);
+        tree.slot_of_triangle_[triangle] = static_cast<uint32_t>((tree.blocks_.size() - 1) * kLanes + lane);
       }
+      repeat_lane(block, count - 1);
     }
     return blocks;
+  }
+
+  /// In all lanes after it.
+  static void repeat_lane(TriangleBlock& block, size_t lane) {
+    static_assert(sizeof(TriangleBlock) % (kLanes * sizeof(uint32_t)) == 0);
+    using Row = std::array<uint32_t, kLanes>;
+    std::array<Row, sizeof(TriangleBlock) / sizeof(Row)> rows;
+    std::memcpy(rows.data(), &block, sizeof block);
+    for (Row& row : rows) std::fill(row.begin() + std::ptrdiff_t(lane), row.end(), row[lane]);
+    std::memcpy(&block, rows.data(), sizeof block);
   }
 
   void set_lane(TriangleBlock& block, size_t lane, uint32_t triangle) const {

@@ -16,6 +16,8 @@ struct Lanes {
 };
 PROMENADE_INLINE Lanes splat(float a) { return {_mm256_set1_ps(a)}; }
 PROMENADE_INLINE Lanes load(const float* p) { return {_mm256_load_ps(p)}; }
+/// From any address.
+PROMENADE_INLINE Lanes load_any(const float* p) { return {_mm256_loadu_ps(p)}; }
 PROMENADE_INLINE void store(float* p, Lanes a) { _mm256_store_ps(p, a.v); }
 PROMENADE_INLINE Lanes operator+(Lanes a, Lanes b) { return {_mm256_add_ps(a.v, b.v)}; }
 PROMENADE_INLINE Lanes operator-(Lanes a, Lanes b) { return {_mm256_sub_ps(a.v, b.v)}; }
@@ -48,6 +50,8 @@ struct Lanes {
 };
 PROMENADE_INLINE Lanes splat(float a) { return {_mm_set1_ps(a), _mm_set1_ps(a)}; }
 PROMENADE_INLINE Lanes load(const float* p) { return {_mm_load_ps(p), _mm_load_ps(p + 4)}; }
+/// From any address.
+PROMENADE_INLINE Lanes load_any(const float* p) { return {_mm_loadu_ps(p), _mm_loadu_ps(p + 4)}; }
 PROMENADE_INLINE void store(float* p, Lanes a) { _mm_store_ps(p, a.low), _mm_store_ps(p + 4, a.high); }
 PROMENADE_INLINE Lanes operator+(Lanes a, Lanes b) { return {_mm_add_ps(a.low, b.low), _mm_add_ps(a.high, b.high)}; }
 PROMENADE_INLINE Lanes operator-(Lanes a, Lanes b) { return {_mm_sub_ps(a.low, b.low), _mm_sub_ps(a.high, b.high)}; }

@@ -176,41 +176,50 @@ PROMENADE_INLINE Lanes outside(Lanes p, const float* low, const float* high) {
   return upper(upper(load(low) - p, p - load(high)), splat(0));
 }
 
+/// Squared distances of a point to a node's boxes.
+PROMENADE_INLINE Lanes distances2_to(const BoxTreeNode& node, const Vectors& p) {
+  const Lanes dx = outside(p.x, node.min_x, node.max_x), dy = outside(p.y, node.min_y, node.max_y),
+              dz = outside(p.z, node.min_z, node.max_z);
+  return dx * dx + dy * dy + dz * dz;
+}
+
+/// All bits set in one lane: a window of eight onto these that begins eight less its number in.
+alignas(32) constexpr uint32_t kOneLane[2 * kLanes + 1] = {0, 0, 0, 0, 0, 0, 0, 0, 0xffffffffU};
+
+/// Depth first, nearest boxes first. What a node has left is not sorted but looked through again on the way back, when
+/// the nearest triangle so far nearly always leaves nothing of it.
 void search(TreeSearch& s) {
-  constexpr size_t kStackSize = 512;  // 7 left behind at each of at most 24 + log8(2^32) levels, and 8
+  constexpr size_t kStackSize = 40;  // at most 24 + log8(2^32) levels
   constexpr uint32_t kNone = 0xffffffffU;
-  struct Entry {
-    float distance2;
-    uint32_t child;
-    uint32_t blocks;
+  struct alignas(32) Level {
+    float distances2[kLanes];  // to the boxes left
+    const BoxTreeNode* node;
   };
-  Entry stack[kStackSize];
+  Level stack[kStackSize];
   size_t top = 0;
   const Vectors p = splat3(s.point);
-  stack[top++] = {0, 0, 0};
-  while (top > 0) {
-    const Entry entry = stack[--top];
-    if (entry.distance2 >= s.distance2) continue;
-    if (s.distance2 <= s.enough_distance2 && s.triangle != kNone) break;
-    if ((entry.child & BoxTreeNode::kLeafBit) != 0) {
-      search_leaf(s.blocks + (entry.child & ~BoxTreeNode::kLeafBit), entry.blocks, p, s);
+  const Lanes infinite = splat(std::numeric_limits<float>::infinity());
+  const BoxTreeNode* node = s.nodes;
+  Lanes left = distances2_to(*node, p);
+  for (;;) {
+    const unsigned nearer = bits(less(left, splat(s.distance2)));
+    if (nearer == 0) {
+      if (top == 0) return;
+      --top;
+      node = stack[top].node, left = load(stack[top].distances2);
       continue;
     }
-    const BoxTreeNode& node = s.nodes[entry.child];
-    const Lanes dx = outside(p.x, node.min_x, node.max_x), dy = outside(p.y, node.min_y, node.max_y),
-                dz = outside(p.z, node.min_z, node.max_z);
-    const Lanes d2 = dx * dx + dy * dy + dz * dz;
-    unsigned nearer = bits(less(d2, splat(s.distance2)));
-    if (nearer == 0) continue;
-    alignas(32) float lanes[kLanes];
-    store(lanes, d2);
-    const size_t base = top;
-    for (; nearer != 0; nearer &= nearer - 1) {
-      const auto i = static_cast<size_t>(__builtin_ctz(nearer));
-      size_t at = top++;
-      for (; at > base && stack[at - 1].distance2 < lanes[i]; --at) stack[at] = stack[at - 1];  // nearest on top
-      stack[at] = {lanes[i], node.child[i], node.blocks[i]};
+    if (s.distance2 <= s.enough_distance2 && s.triangle != kNone) return;
+    // Of equally near ones the last.
+    const auto lane = 31U - static_cast<unsigned>(__builtin_clz(bits(less_or_equal(left, splat(least(left))))));
+    left = selected(load_any(reinterpret_cast<const float*>(kOneLane + kLanes - lane)), infinite, left);
+    const uint32_t child = node->child[lane];
+    if ((child & BoxTreeNode::kLeafBit) != 0) {
+      search_leaf(s.blocks + (child & ~BoxTreeNode::kLeafBit), node->blocks[lane], p, s);
+      continue;
     }
+    if ((nearer & (nearer - 1)) != 0) store(stack[top].distances2, left), stack[top++].node = node;
+    node = s.nodes + child, left = distances2_to(*node, p);
   }
 }
 

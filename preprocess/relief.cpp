@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
@@ -66,7 +67,7 @@ class ReliefFinder {
     const auto triangles = static_cast<uint32_t>(work_.triangle_count());
     cross_.resize(triangles);
     area_.assign(triangles, 0);
-    std::vector<uint32_t> order;
+    std::vector<uint64_t> order;  // the largest first, ties by number: how much smaller than any, number
     order.reserve(triangles);
     for (uint32_t t = 0; t < triangles; ++t) {
       const glm::vec3 a = work_.at(3 * t), b = work_.at(3 * t + 1), c = work_.at(3 * t + 2);
@@ -75,13 +76,12 @@ class ReliefFinder {
       const float edge2 = std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
       if (work_.alive[t] == 0 || !(area > kThin * edge2)) continue;
       cross_[t] = cross / area, area_[t] = area;
-      order.push_back(t);
+      order.push_back(uint64_t(~std::bit_cast<uint32_t>(area)) << 32U | t);  // positive floats sort as their bits do
     }
-    std::sort(order.begin(), order.end(),
-              [&](uint32_t a, uint32_t b) { return area_[a] != area_[b] ? area_[a] > area_[b] : a < b; });
+    std::sort(order.begin(), order.end());
     face_of_.assign(triangles, kNone);
-    for (const uint32_t seed : order)
-      if (face_of_[seed] == kNone) grow(seed);
+    for (const uint64_t key : order)
+      if (const auto seed = static_cast<uint32_t>(key); face_of_[seed] == kNone) grow(seed);
   }
 
   void grow(uint32_t seed) {

@@ -74,6 +74,9 @@ void ReliefPress::gather_places(const Relief& relief) {
       places_.push_back(now);
   }
   sort_once(places_);
+  press_of_place_.resize(work_.place_count(), 0);
+  ++press_;
+  for (const uint32_t place : places_) press_of_place_[place] = press_;
 }
 
 /// Among living triangles.
@@ -93,9 +96,7 @@ bool ReliefPress::is_flat(const Relief& relief) const {
 /// The points that its triangles stand for.
 void ReliefPress::gather_points() {
   points_.clear();
-  const auto moves = [&](uint32_t corner) {
-    return std::binary_search(places_.begin(), places_.end(), work_.place[corner]);
-  };
+  const auto moves = [&](uint32_t corner) { return press_of_place_[work_.place[corner]] == press_; };
   for (const uint32_t p : places_)
     for (uint32_t c = work_.first_corner[p]; c != WorkMesh::kNone; c = work_.next_corner[c])
       if (c % 3 == 0 && work_.alive[c / 3] != 0 && moves(c + 1) && moves(c + 2)) collapser_.points_on(c / 3, points_);
@@ -110,8 +111,7 @@ void ReliefPress::merge_places(const Relief& relief) {
          c = work_.next_corner[c])
       for (const uint32_t c2 : {next_in_triangle(c), previous_in_triangle(c)}) {
         const glm::vec3 off = work_.at(c2) - work_.positions[p];
-        if (work_.alive[c / 3] != 0 && glm::dot(off, off) <= least2 &&
-            std::binary_search(places_.begin(), places_.end(), work_.place[c2]))
+        if (work_.alive[c / 3] != 0 && glm::dot(off, off) <= least2 && press_of_place_[work_.place[c2]] == press_)
           target = work_.place[c2];
       }
     if (target != WorkMesh::kNone) collapser_.merge(p, target);

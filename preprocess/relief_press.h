@@ -41,6 +41,8 @@ class ReliefPress {
   const BorderLines& borders_;
   std::vector<Relief> reliefs_;
   std::vector<uint32_t> places_, changed_;
+  std::vector<uint32_t> press_of_place_;  // of each place: the last press that it was among places_ of
+  uint32_t press_ = 0;
   std::vector<glm::vec3> points_, to_;
 };
 
