@@ -59,7 +59,7 @@ Result<std::vector<Camera>> random_cameras(const VerifySourceOptions& options, c
     const Box& place = (*places)[random.below(static_cast<uint32_t>(places->size()))];
     const Result<HeldNodes> held = hold_nodes(**meshes, cell_front(model, place, bound));
     if (!held) return held.error();
-    EyeFinder finder(place, held->items, random.fork(i));
+    EyeFinder finder(place, held->items, !model.objects.footprints.empty(), random.fork(i));
     const Result<std::optional<glm::dvec3>> eye = finder.next();
     if (!eye) return eye.error();
     if (!*eye) continue;

@@ -118,6 +118,7 @@ struct Frame {
   bool orthographic;
   bool cull_hidden;
   bool cull_back;     ///< false: every mesh is drawn from both sides
+  bool one_sided;     ///< culls the backs of two-sided blocks, too
   bool draw_solid;    ///< what is not seen through
   bool draw_blended;  ///< what is
   bool screen_door;   ///< what is seen through takes its share of the pixels; otherwise all of them: a layer

@@ -789,6 +789,8 @@ void draw_long_way(const Frame& f, const Item& item, const Block& block, Region&
     draw_one<C, kMasked>(f, r, corners, item.mirrored, two_sided, id, &mask, nullptr);
 }
 
+bool is_two_sided(const Block& block, const Frame& f) { return (block.flags & block_two_sided) != 0 && !f.one_sided; }
+
 template <Coverage C, bool kMasked>
 void draw_block(const Frame& frame, const Item& item, const Block& block, Region& region, bool needs_clip) {
   const Frame f = frame;  // copies: the compiler need not fear that pixels written change them
@@ -796,7 +798,7 @@ void draw_block(const Frame& frame, const Item& item, const Block& block, Region
   BlockVertices v;
   transform_vertices(f, item, block, needs_clip, v);
   const Table64 xs(v.x), ys(v.y), zs(v.z);
-  const bool two_sided = (block.flags & block_two_sided) != 0 || !f.cull_back;
+  const bool two_sided = is_two_sided(block, f) || !f.cull_back;
   const int order[3] = {0, item.mirrored ? 1 : 2, item.mirrored ? 2 : 1};  // fronts get positive area with y downwards
   Batch s;
   LazyMask mask(item);
@@ -890,7 +892,7 @@ void draw_item(const Frame& f, const Item& item, const BoxPicture& item_box, Reg
   for (uint32_t i = 0; i < item.block_count; ++i) {
     const Block& block = item.blocks[i];
     if (left_out<C>(f, item, block)) continue;
-    if (!is_outer(C) && f.cull_back && (block.flags & block_two_sided) == 0 && faces_away(f, item, block)) {
+    if (!is_outer(C) && f.cull_back && !is_two_sided(block, f) && faces_away(f, item, block)) {
       ++r.counts.blocks_facing_away;
       continue;
     }

@@ -65,7 +65,7 @@ Frame frame_of(const RasterView& view, const VisibilityOptions& options) {
   f.near_m = static_cast<float>(view.near_m);
   f.orthographic = view.orthographic;
   f.clear_z = view.orthographic ? std::numeric_limits<float>::lowest() : 0.0F;
-  f.cull_hidden = options.cull_hidden, f.cull_back = options.cull_back;
+  f.cull_hidden = options.cull_hidden, f.cull_back = options.cull_back, f.one_sided = options.one_sided;
   f.draw_solid = true, f.draw_blended = options.draw_blended, f.screen_door = true;
   return f;
 }

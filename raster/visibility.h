@@ -53,6 +53,7 @@ struct VisibilityOptions {
   PixelRule rule = PixelRule::center;
   bool cull_hidden = true;  ///< false: draw behind what is there, too; the same picture, to measure what culling saves
   bool cull_back = true;    ///< false: draw every mesh from both sides
+  bool one_sided = false;   ///< with cull_back: draw no backs of two-sided materials either
   /// What is seen through (AlphaMode::blend): drawn as a screen door, or left out (for draw_layer).
   bool draw_blended = true;
   /// Closes gaps between items that should meet but for their errors (gaps.h). For pictures that are looked at, not for

@@ -104,7 +104,7 @@ class CellLooks {
         full_(meshes, front),
         options_(options),
         random_(numbers_of(options.seed, cell)),
-        finder_(cell, held_.items, random_.fork(1)) {
+        finder_(cell, held_.items, !meshes.model().model().objects.footprints.empty(), random_.fork(1)) {
     looks_.pixels_of.assign(front.size(), 0);
     looks_.truly_seen.assign(front.size(), 0);
     for (size_t i = 0; i < hidden.size(); ++i)

@@ -17,8 +17,8 @@ constexpr float kProbeReachM = 60;  // how far they look
 
 }  // namespace
 
-EyeFinder::EyeFinder(const Box& cell, std::span<const RasterItem> items, Random random)
-    : cell_(cell), items_(items), random_(random) {
+EyeFinder::EyeFinder(const Box& cell, std::span<const RasterItem> items, bool oriented, Random random)
+    : cell_(cell), items_(items), oriented_(oriented), random_(random) {
   for (const RasterItem& item : items) touched_ |= item.mesh->box.overlaps(cell);
 }
 
@@ -61,6 +61,7 @@ Status EyeFinder::is_solid(const glm::dvec3& eye, bool& solid) {
   fronts.threads = 1;
   VisibilityOptions both = fronts;
   both.cull_back = false;
+  fronts.one_sided = oriented_;
   constexpr int kUp = 4, kFacesButDown = 5;
   constexpr uint32_t kFacePixels = kProbePx * kProbePx;
   constexpr double kTouchM = 1e-5;  // what is nearer would not be seen at all

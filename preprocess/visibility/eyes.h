@@ -18,8 +18,9 @@ class EyeFinder {
   /// The camera's near plane for pictures from these eyes.
   static constexpr double kNearM = 0.005;
 
-  /// items: what stands around the cell (model space), to live as long as the finder.
-  EyeFinder(const Box& cell, std::span<const RasterItem> items, Random random);
+  /// items: what stands around the cell (model space), to live as long as the finder. oriented: two-sided surfaces face
+  /// outwards as well, so that who looks at their backs is inside or below, too.
+  EyeFinder(const Box& cell, std::span<const RasterItem> items, bool oriented, Random random);
 
   /// Another eye; nullopt: none found in a dozen tries. Deterministic. Errors: drawing.
   Result<std::optional<glm::dvec3>> next();
@@ -31,6 +32,7 @@ class EyeFinder {
 
   Box cell_;
   std::span<const RasterItem> items_;
+  bool oriented_;
   Random random_;
   uint32_t found_ = 0;    ///< eyes asked for so far
   bool touched_ = false;  ///< some box of an item reaches into the cell

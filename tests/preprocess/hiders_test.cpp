@@ -324,6 +324,18 @@ TEST(Audit, refuses_eyes_below_the_ground) {
   EXPECT_GT(eyes_in(model, {{-2, -2, 1}, {2, 2, 3}}), 0U);
 }
 
+TEST(Audit, refuses_eyes_below_and_within_what_is_two_sided_where_the_source_tells_its_solids) {
+  const Objects town = {{"ground", of_material(flat_ground(), kBothSides)},
+                        {"house", of_material(block({10, -10, -0.2F}, {20, 10, 9}), kBothSides)}};
+  const SituationModel told(town, Tell::footprints), soup(town);
+  const Box below{{-2, -2, -3}, {2, 2, -1}}, within{{13, -2, 3}, {17, 2, 5}}, above{{-2, -2, 1}, {2, 2, 3}};
+  EXPECT_EQ(eyes_in(told, below), 0U);
+  EXPECT_EQ(eyes_in(told, within), 0U);
+  EXPECT_GT(eyes_in(told, above), 0U);
+  EXPECT_GT(eyes_in(soup, below), 0U) << "who knows which side of it is the outside";
+  EXPECT_GT(eyes_in(soup, within), 0U);
+}
+
 TEST(Audit, refuses_eyes_in_the_plane_of_a_roof) {
   const SituationModel model({{"ground", flat_ground()}, {"house", wall(-10, -10, 10, 10, 5)}});
   EXPECT_EQ(eyes_in(model, {{-2, -2, 4.996F}, {2, 2, 5.004F}}), 0U);
