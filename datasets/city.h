@@ -27,7 +27,7 @@ struct CityOptions {
   double tree_distance_m = 12;          ///< 0: no trees
   uint32_t moving = 0;                  ///< cars that drive: animated objects, beyond `triangles`
   bool plain = false;                   ///< [xiong1996]'s: bands of colour, dividers; on the streets trees alone
-  bool solids = false;                  ///< set where the output is CityJSON: closed blocks, flat on top
+  bool solids = false;                  ///< closed blocks, flat on top; generate_city sets it by the output's name
   bool interiors = false;               ///< furnished rooms behind the windows
   double texture_megapixels = 0;        ///< unique facade textures, all together; 0: colours only
   uint64_t tile_triangles = 1'000'000;  ///< a city larger than this is written as a folder of tiles of about this size

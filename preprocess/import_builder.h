@@ -51,7 +51,8 @@ class MeshBuilder {
   std::vector<glm::dvec3> positions_;
 };
 
-/// Adds the builder's mesh with an instance of it to the scene, unless it has no triangle.
+/// Adds the builder's mesh with an instance of it to the scene, unless it has no triangle. is_solid: as in
+/// SceneInstance.
 void add_object(Scene& scene, MeshBuilder& builder, const std::string& name, const std::string& class_name,
                 bool is_solid = false);
 
