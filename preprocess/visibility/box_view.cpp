@@ -10,6 +10,8 @@ namespace {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kHair = 1e-9;  // of a picture's side: roundings fall on the side of what is seen
 
+constexpr double kFlat = 1e-5;  // a slope along a row: below, where it is passed is uncertain
+
 /// Between its ends; empty when the first is above the second.
 struct Range {
   double low, high;
@@ -105,6 +107,74 @@ void BoxView::draw(const Placed& box, std::vector<float>& nearness) const {
   }
 }
 
+void BoxView::draw(const BoxShadow& shadow, uint32_t face) {
+  const int axis = static_cast<int>(face / 2);
+  // Along (±1, u, v) something grows by this much a unit of depth.
+  struct Growth {
+    double middle, by_u, by_v;
+    double least() const { return middle - std::abs(by_u) - std::abs(by_v); }  // on the face
+  };
+  const auto growth = [&](const glm::dvec3& normal) {
+    return Growth{face % 2 != 0 ? -normal[axis] : normal[axis], normal[(axis + 1) % 3], normal[(axis + 2) % 3]};
+  };
+  // Along the rays of the shadow no side grows. Those across an axis of the face bound a rectangle.
+  Range columns{-kFar, kFar}, rows{-kFar, kFar};
+  std::array<Growth, BoxShadow::kMostSides> slanted;
+  size_t slanted_count = 0;
+  for (const HalfSpace& side : shadow.sides()) {
+    const Growth g = growth(side.normal);
+    if (!(g.least() < 0)) return;
+    if (g.by_u != 0 && g.by_v != 0)
+      slanted[slanted_count++] = g;
+    else if (g.by_u != 0)
+      g.by_u > 0 ? columns.high = std::min(columns.high, -g.middle / g.by_u)
+                 : columns.low = std::max(columns.low, -g.middle / g.by_u);
+    else if (g.by_v != 0)
+      g.by_v > 0 ? rows.high = std::min(rows.high, -g.middle / g.by_v)
+                 : rows.low = std::max(rows.low, -g.middle / g.by_v);
+  }
+  if (columns.empty() || rows.empty()) return;
+  // A plane of the solid's nearer side is passed from 1 / (growth / left) on; where left is not below 0 the eye is
+  // beyond it, and must not come back.
+  struct Front {
+    Growth growth;
+    double left;
+  };
+  std::array<Front, 6> fronts;
+  const size_t front_count = shadow.fronts().size();
+  for (size_t i = 0; i < front_count; ++i) {
+    const HalfSpace& front = shadow.fronts()[i];
+    fronts[i] = {growth(front.normal), front.offset - glm::dot(front.normal, eye_)};
+    if (!(fronts[i].growth.least() < 0)) return;
+  }
+  const auto [first, end] = inner(rows);
+  for (int row = first; row < end; ++row) {
+    const double below = at_px(row), above = at_px(row + 1);
+    Range over = columns;
+    for (size_t i = 0; i < slanted_count; ++i) {
+      const Growth& g = slanted[i];
+      const double most = g.middle + std::max(g.by_v * below, g.by_v * above);
+      if (std::abs(g.by_u) < kFlat)
+        over.low = most + std::abs(g.by_u) > 0 ? kFar : over.low;
+      else
+        g.by_u > 0 ? over.high = std::min(over.high, -most / g.by_u) : over.low = std::max(over.low, -most / g.by_u);
+    }
+    if (over.empty()) continue;
+    const auto [left, right] = inner(over);
+    float* out = nearness_[face].data() + size_t(row) * kSidePx;
+    for (int x = left; x < right; ++x) {
+      double here = 1 / kNearM;
+      for (size_t i = 0; i < front_count; ++i) {
+        const Growth& g = fronts[i].growth;
+        const double most =
+            g.middle + std::max(g.by_u * at_px(x), g.by_u * at_px(x + 1)) + std::max(g.by_v * below, g.by_v * above);
+        here = std::min(here, most > 0 ? 0 : fronts[i].left < 0 ? most / fronts[i].left : here);
+      }
+      out[x] = std::max(out[x], static_cast<float>(here * (1 - 1e-6)));
+    }
+  }
+}
+
 bool BoxView::blocks(const Placed& box, const std::vector<float>& nearness) const {
   const Range s{box.far_s, box.near_s};
   const auto [first, end] = outer(across(s, box.v0, box.v1));
@@ -129,6 +199,11 @@ void BoxView::add(const Box& box) {
   Placed placed;
   for (uint32_t face = 0; face < kFaces; ++face)
     if ((wanted_ >> face & 1U) != 0 && place(box, face, placed)) draw(placed, nearness_[face]);
+}
+
+void BoxView::add(const BoxShadow& shadow) {
+  for (uint32_t face = 0; face < kFaces; ++face)
+    if ((wanted_ >> face & 1U) != 0) draw(shadow, face);
 }
 
 bool BoxView::hides(const Box& box) const {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/box.h"
+#include "preprocess/visibility/box_shadow.h"
 
 namespace promenade {
 
@@ -26,9 +27,13 @@ class BoxView {
 
   /// Begins a picture; want() all that will be asked about, then add() what hides, then ask.
   void reset(const glm::dvec3& eye);
+  const glm::dvec3& eye() const { return eye_; }
   void want(const Box& box);
   /// A solid box that does not hold the eye.
   void add(const Box& box);
+  /// The shadow of a solid box, of which the eye may_be_seen_from: what is hidden from the whole cell beyond it, along
+  /// planes through the eye. Then what hides() a box hides it from the cell.
+  void add(const BoxShadow& shadow);
   /// True only if every ray from the eye to any point of a wanted box goes through a solid box before.
   bool hides(const Box& box) const;
 
@@ -40,6 +45,7 @@ class BoxView {
   };
   bool place(const Box& box, uint32_t face, Placed& placed) const;
   void draw(const Placed& box, std::vector<float>& nearness) const;
+  void draw(const BoxShadow& shadow, uint32_t face);
   bool blocks(const Placed& box, const std::vector<float>& nearness) const;
 
   glm::dvec3 eye_{0};

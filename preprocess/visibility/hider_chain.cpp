@@ -10,6 +10,7 @@
 #include "preprocess/visibility/hiders/horizon.h"
 #include "preprocess/visibility/hiders/portals.h"
 #include "preprocess/visibility/hiders/sampled.h"
+#include "preprocess/visibility/hiders/shrunk.h"
 #include "preprocess/visibility/hiders/umbra.h"
 #include "preprocess/visibility/node_meshes.h"
 #include "preprocess/visibility/node_parts.h"
@@ -55,7 +56,7 @@ std::unique_ptr<Hider> owning(std::unique_ptr<Hider> hider, std::shared_ptr<Shar
 
 uint64_t hash_of(const HiderBuildOptions& options) { return most_tile_bytes(occluder_options(options)); }
 
-std::string_view hider_names() { return "backface, horizon, portals, umbra, sampled"; }
+std::string_view hider_names() { return "backface, horizon, portals, umbra, shrunk, sampled"; }
 
 const std::vector<std::string>& hiders_for(CellStyle style) {
   static const std::vector<std::string> outdoors = {"backface", "horizon"}, indoors = {"backface", "portals"};
@@ -127,16 +128,17 @@ Result<std::unique_ptr<Hider>> HiderMaker::make_one(std::string_view name) {
     auto share = std::make_shared<Share>(Share{std::move(*rooms), std::move(*parts)});
     return owning(make_portals_hider(model_.model(), share->rooms, share->parts), share);
   }
-  if (name == "umbra") {
+  if (name == "umbra" || name == "shrunk") {
     PROMENADE_TRY(need_parts());
-    Result<std::vector<Box>> boxes = find_solid_boxes(model_, SolidBoxOptions(), monitor_);
-    if (!boxes) return boxes.error();
+    PROMENADE_TRY(need_solid_boxes());
     struct Share {
       std::shared_ptr<NodeParts> parts;
-      std::vector<Box> boxes;
+      std::shared_ptr<std::vector<Box>> boxes;
     };
-    auto share = std::make_shared<Share>(Share{parts_, std::move(*boxes)});
-    return owning(make_umbra_hider(model_.model(), *share->parts, share->boxes), share);
+    auto share = std::make_shared<Share>(Share{parts_, solid_boxes_});
+    return owning(name == "umbra" ? make_umbra_hider(model_.model(), *share->parts, *share->boxes)
+                                  : make_shrunk_hider(model_.model(), *share->parts, *share->boxes),
+                  share);
   }
   if (name == "sampled") {
     PROMENADE_TRY(need_meshes());
@@ -152,6 +154,14 @@ Status HiderMaker::need_parts() {
   if (!parts) return parts.error();
   parts_ = std::make_shared<NodeParts>(std::move(*parts));
   return_freed_memory();
+  return Done{};
+}
+
+Status HiderMaker::need_solid_boxes() {
+  if (solid_boxes_) return Done{};
+  Result<std::vector<Box>> boxes = find_solid_boxes(model_, SolidBoxOptions(), monitor_);
+  if (!boxes) return boxes.error();
+  solid_boxes_ = std::make_shared<std::vector<Box>>(std::move(*boxes));
   return Done{};
 }
 

@@ -43,8 +43,7 @@ const std::vector<std::string>& resolved_hiders(const std::vector<std::string>& 
 Result<std::vector<std::string>> parse_hiders(std::string_view list);
 
 /// Prepares hiders for a model. What several of them need is made once, for the first that asks, and lives as long as
-/// the maker or any of them. The model must outlive them all. Runs on the
-/// threads of the arena.
+/// the maker or any of them. The model must outlive them all. Runs on the threads of the arena.
 class HiderMaker {
  public:
   HiderMaker(const ModelReader& model, HiderBuildOptions options, JobMonitor& monitor);
@@ -55,12 +54,14 @@ class HiderMaker {
  private:
   Result<std::unique_ptr<Hider>> make_one(std::string_view name);
   Status need_parts();
+  Status need_solid_boxes();
   Status need_meshes();
 
   const ModelReader& model_;
   HiderBuildOptions options_;
   JobMonitor& monitor_;
   std::shared_ptr<NodeParts> parts_;
+  std::shared_ptr<std::vector<Box>> solid_boxes_;
   std::shared_ptr<NodeMeshes> meshes_;
 };
 

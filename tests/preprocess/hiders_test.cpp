@@ -413,7 +413,7 @@ TEST(Hiders, chains_are_parsed_and_unknown_names_refused) {
   EXPECT_THAT(resolved_hiders(*parse_hiders("portals"), CellStyle::octree), testing::ElementsAre("portals"));
   for (const std::string wrong : {"portals of doom", "horizon,horizon", "horizon,", ",", "Horizon", "auto,horizon"})
     EXPECT_FALSE(parse_hiders(wrong).ok()) << wrong;
-  EXPECT_THAT(parse_hiders("shadow").error().message, HasSubstr("backface, horizon, portals, umbra, sampled"));
+  EXPECT_THAT(parse_hiders("shadow").error().message, HasSubstr("backface, horizon, portals, umbra, shrunk, sampled"));
 }
 
 TEST(Occluders, are_the_same_at_any_number_of_threads) {
