@@ -207,11 +207,15 @@ void BoxView::add(const BoxShadow& shadow) {
 }
 
 bool BoxView::hides(const Box& box) const {
-  if (double(box.distance(glm::vec3(eye_))) < 2 * kNearM) return false;
+  if (!(double(box.distance(glm::vec3(eye_))) >= 2 * kNearM)) return false;
+  bool placed_somewhere = false;  // not so from an eye that is no number
   Placed placed;
-  for (uint32_t face = 0; face < kFaces; ++face)
-    if ((wanted_ >> face & 1U) != 0 && place(box, face, placed) && !blocks(placed, nearness_[face])) return false;
-  return true;
+  for (uint32_t face = 0; face < kFaces; ++face) {
+    if ((wanted_ >> face & 1U) == 0 || !place(box, face, placed)) continue;
+    if (!blocks(placed, nearness_[face])) return false;
+    placed_somewhere = true;
+  }
+  return placed_somewhere;
 }
 
 }  // namespace promenade

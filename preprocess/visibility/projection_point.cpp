@@ -62,6 +62,7 @@ std::vector<ShrunkOccluder> shrunk_occluders(const Box& cell, std::span<const Bo
 
 glm::dvec3 projection_point(const Box& cell, const Box& world, std::span<const ShrunkOccluder* const> occluders) {
   const glm::dvec3 middle(cell.center());
+  if (occluders.empty()) return middle;
   const double far = double(world.diagonal());
   glm::dvec3 stiffness(0), sum(0);
   std::vector<HalfSpace> sides;

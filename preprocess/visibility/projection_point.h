@@ -21,7 +21,8 @@ struct ShrunkOccluder {
 /// Of solid boxes, in their order, those that are apart from the cell and whose shadow does not end behind them.
 std::vector<ShrunkOccluder> shrunk_occluders(const Box& cell, std::span<const Box> solids);
 
-/// The point for a picture of occluders together: all of them may be seen from it. `world` holds the model.
+/// The point for a picture of occluders together: all of them may be seen from it. The cell's middle without
+/// any. `world` holds the model.
 glm::dvec3 projection_point(const Box& cell, const Box& world, std::span<const ShrunkOccluder* const> occluders);
 
 }  // namespace promenade

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <vector>
 
 #include "preprocess/visibility/box_view.h"
@@ -175,6 +176,17 @@ TEST(BoxShadow, hides_more_from_the_best_point_than_from_the_middle) {
   const glm::dvec3 best = projection_point(cell, world, all);
   EXPECT_NEAR(best.x, -14, 1e-3) << "where its planes meet, behind the cell";
   EXPECT_TRUE(hides_from(best));
+}
+
+TEST(BoxShadow, hides_nothing_where_there_is_none) {
+  const Box cell{{-2, -2, -2}, {2, 2, 2}}, world{{-50, -50, -50}, {50, 50, 50}}, asked{{9, -1, -1}, {10, 1, 1}};
+  EXPECT_EQ(projection_point(cell, world, {}), glm::dvec3(0));
+  for (const double x : {0.0, std::numeric_limits<double>::quiet_NaN()}) {
+    BoxView view;
+    view.reset(glm::dvec3(x));
+    view.want(asked);
+    EXPECT_FALSE(view.hides(asked)) << x;
+  }
 }
 
 TEST(ShrunkOccluders, leave_out_what_is_smaller_than_the_cell_or_in_it) {
