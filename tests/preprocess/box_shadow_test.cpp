@@ -136,6 +136,7 @@ TEST(BoxShadow, drawn_from_its_point_hides_only_what_nobody_in_the_cell_sees) {
       if (const Box box = random_box(numbers, 40, 2); !box.overlaps(cell)) asked.push_back(box);
     const std::vector<ShrunkOccluder> occluders = shrunk_occluders(cell, solids);
     std::vector<const ShrunkOccluder*> all;
+    all.reserve(occluders.size());
     for (const ShrunkOccluder& occluder : occluders) all.push_back(&occluder);
     view.reset(projection_point(cell, world, all));
     from_outside += cell.contains(glm::vec3(view.eye())) ? 0U : 1U;
