@@ -52,7 +52,8 @@ Result<std::optional<glm::dvec3>> EyeFinder::next() {
 
 /// Backs in most directions: with backs drawn more than half of the pixels are nearer than without. Not downwards: the
 /// roof that a tower stands on goes on inside the tower, its front up. Likewise upwards alone: below the ground, or a
-/// roof. Or so near to a surface that no eye is there.
+/// roof. Or with something above and next to nothing below the horizon, where two-sided surfaces make a ground: beneath
+/// a floor that lies below it. Or so near to a surface that no eye is there.
 Status EyeFinder::is_solid(const glm::dvec3& eye, bool& solid) {
   std::vector<RasterItem> around;
   for (const RasterItem& item : items_)
@@ -62,10 +63,10 @@ Status EyeFinder::is_solid(const glm::dvec3& eye, bool& solid) {
   VisibilityOptions both = fronts;
   both.cull_back = false;
   fronts.one_sided = oriented_;
-  constexpr int kUp = 4, kFacesButDown = 5;
+  constexpr int kUp = 4, kDown = 5, kFacesButDown = 5;
   constexpr uint32_t kFacePixels = kProbePx * kProbePx;
   constexpr double kTouchM = 1e-5;  // what is nearer would not be seen at all
-  uint32_t backs = 0, backs_above = 0;
+  uint32_t backs = 0, backs_above = 0, something_above = 0, something_below = 0;
   float nearest_m = std::numeric_limits<float>::infinity();
   for (int face = 0; face < 6; ++face) {
     const RasterView view = cube_face_view(eye, face, kProbePx, kTouchM);
@@ -77,9 +78,14 @@ Status EyeFinder::is_solid(const glm::dvec3& eye, bool& solid) {
         const bool is_back = both_.depth_m(x, y) < fronts_.depth_m(x, y);
         backs += face < kFacesButDown && is_back ? 1U : 0U;
         backs_above += face == kUp && is_back ? 1U : 0U;
+        const bool is_something = std::isfinite(both_.depth_m(x, y));
+        something_above += face == kUp && is_something ? 1U : 0U;
+        something_below += (face == kDown || (face < kUp && y >= kProbePx / 2)) && is_something ? 1U : 0U;
       }
   }
-  solid = double(nearest_m) < kElbowRoomM || backs_above > kFacePixels / 2 || backs > kFacesButDown * kFacePixels / 2;
+  const bool beneath = oriented_ && something_above > kFacePixels / 2 && something_below < kFacePixels / 8;
+  solid = double(nearest_m) < kElbowRoomM || backs_above > kFacePixels / 2 || backs > kFacesButDown * kFacePixels / 2 ||
+          beneath;
   return Done{};
 }
 

@@ -336,6 +336,15 @@ TEST(Audit, refuses_eyes_below_and_within_what_is_two_sided_where_the_source_tel
   EXPECT_GT(eyes_in(soup, within), 0U);
 }
 
+TEST(Audit, refuses_eyes_beneath_a_floor_that_lies_below_the_ground) {
+  const Objects town = {{"ground", of_material(flat_ground(), kBothSides)},
+                        {"house", of_material(block({-10, -10, -0.2F}, {10, 10, 9}), kBothSides)},
+                        {"balcony", of_material(block({10, -9, 3}, {14, 9, 3.2F}), kBothSides)}};
+  const SituationModel told(town, Tell::footprints);
+  EXPECT_EQ(eyes_in(told, {{-2, -2, -0.4F}, {2, 2, -0.3F}}), 0U);
+  EXPECT_GT(eyes_in(told, {{11, -2, 1}, {13, 2, 2}}), 0U) << "beneath a balcony, on the ground";
+}
+
 TEST(Audit, refuses_eyes_in_the_plane_of_a_roof) {
   const SituationModel model({{"ground", flat_ground()}, {"house", wall(-10, -10, 10, 10, 5)}});
   EXPECT_EQ(eyes_in(model, {{-2, -2, 4.996F}, {2, 2, 5.004F}}), 0U);
