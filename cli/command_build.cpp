@@ -243,7 +243,7 @@ Command add_build(CLI::App& program) {
                   "Most triangles of a node; more: fewer draws, coarser culling")
       ->capture_default_str();
   app->add_option("--level-factor", options->level_factor,
-                  "About how many children a node has: the ratio of triangles between levels; 2.5: two or three")
+                  "About how many children a node has: the ratio of triangles between levels")
       ->capture_default_str();
   add_parsed<GeometryCodec>(*app, "--geometry-codec", options->geometry_codec, parse_codec, "draco, meshopt or raw")
       ->default_str("meshopt");

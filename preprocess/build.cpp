@@ -54,8 +54,7 @@ Status check_options(const BuildOptions& o) {
     return Error{fmt::format("--{} {}: must be between {} and {}", name, value, least, most)};
   };
   PROMENADE_TRY(check("node-triangles", o.node_triangles, 100, 60000));
-  if (!(o.level_factor >= 2 && o.level_factor <= 16))
-    return Error{fmt::format("--level-factor {}: must be between 2 and 16", o.level_factor)};
+  PROMENADE_TRY(check("level-factor", o.level_factor, 2, 16));
   if (o.chunk_triangles != 0) PROMENADE_TRY(check("chunk-triangles", o.chunk_triangles, 1000, 1U << 24));
   PROMENADE_TRY(check("max-texture", o.max_texture_px, 64, 16384));
   PROMENADE_TRY(check("jpeg-quality", o.jpeg_quality < 0 ? 0U : static_cast<uint32_t>(o.jpeg_quality), 1, 100));

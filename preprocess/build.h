@@ -26,7 +26,7 @@ struct BuildOptions {
   uint32_t node_triangles = 2000;  ///< most triangles of a node; 100 to 60000. More: fewer draws, coarser culling
   /// About how many children a node has (2 to one and a half of this; they are filled evenly), and so the ratio of
   /// triangles between levels; 2 to 16. [lakhia2004]: 4
-  double level_factor = 3;
+  uint32_t level_factor = 3;
   uint32_t chunk_triangles = 0;  ///< about the most triangles of a work unit, 1000 or more; 0: what memory allows
   GeometryCodec geometry_codec = GeometryCodec::meshopt;
   uint32_t max_texture_px = 2048;  ///< longest side of a stored texture; 64 to 16384

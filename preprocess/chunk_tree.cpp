@@ -123,18 +123,18 @@ class Divider {
 
 }  // namespace
 
-LeafShares::LeafShares(uint64_t triangles, uint32_t leaf_triangles, double level_factor, uint32_t planned) {
+LeafShares::LeafShares(uint64_t triangles, uint32_t leaf_triangles, uint32_t level_factor, uint32_t planned) {
   if (triangles <= leaf_triangles) return;
   const bool plan_holds = planned > 1 && triangles <= uint64_t(planned) * leaf_triangles;
   leaves = plan_holds ? planned
                       : static_cast<uint32_t>(std::max(2.0, std::ceil(double(triangles) / (kFill * leaf_triangles))));
+  const double factor = level_factor;
   children = leaves;
-  if (double(leaves) <= kMostFactor * level_factor) return;
+  if (double(leaves) <= kMostFactor * factor) return;
   double below = 1;  // leaves of a full subtree one level down
-  while (below * level_factor <= double(leaves)) below *= level_factor;
+  while (below * factor <= double(leaves)) below *= factor;
   const double full = double(leaves) / below;  // 1 to level_factor
   // Each child is left with 0.75 to 1.5 full subtrees, which is what nodes above leaves will have in leaves.
-  const double factor = std::clamp(std::round(full * level_factor), std::floor(level_factor), std::ceil(level_factor));
   children = static_cast<uint32_t>(full < kMostFactor ? factor : std::max(2.0, std::floor(full)));
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <thread>
 
 #include "preprocess/node_builder.h"
@@ -42,8 +41,8 @@ Result<MemoryBudget> plan_memory(const MemoryWishes& wishes) {
   budget.memory_bytes = wishes.memory_bytes;
   const uint64_t free = wishes.memory_bytes - kProgram;
   // Half as many children again as the level factor says: see LeafShares.
-  const auto children = static_cast<uint64_t>(std::ceil(wishes.level_factor * double(kNodeTriangle) * 3 / 2));
-  const uint64_t node = uint64_t(wishes.node_triangles) * (children + kReferenceNodes * kReferenceTriangle);
+  const uint64_t node = uint64_t(wishes.node_triangles) *
+                        (wishes.level_factor * kNodeTriangle * 3 / 2 + kReferenceNodes * kReferenceTriangle);
   if (node > free / 4)
     return needs(
         fmt::format("a level factor of {} with nodes of {} triangles", wishes.level_factor, wishes.node_triangles),

@@ -25,7 +25,7 @@ struct MemoryWishes {
   uint64_t memory_bytes = 0;
   uint32_t jobs = 0;  ///< 0: as many as cores
   uint32_t node_triangles = 2000;
-  double level_factor = 3;
+  uint32_t level_factor = 3;
   uint32_t chunk_triangles = 0;  ///< 0: what memory allows
 };
 

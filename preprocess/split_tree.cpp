@@ -23,7 +23,7 @@ struct SplitPlane {
 
 class Splitter {
  public:
-  Splitter(const Mesh& mesh, uint32_t node_triangles, double level_factor, float cut_step_m)
+  Splitter(const Mesh& mesh, uint32_t node_triangles, uint32_t level_factor, float cut_step_m)
       : node_triangles_(node_triangles), level_factor_(level_factor), cut_step_m_(cut_step_m) {
     centroids_.reserve(mesh.triangle_count());
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t) centroids_.push_back(centroid(mesh, t));
@@ -100,15 +100,14 @@ class Splitter {
     return plane;
   }
 
-  uint32_t node_triangles_;
-  double level_factor_;
+  uint32_t node_triangles_, level_factor_;
   float cut_step_m_;
   std::vector<glm::vec3> centroids_;
 };
 
 }  // namespace
 
-SplitTree split_chunk(const Mesh& mesh, const Box& cell, uint32_t node_triangles, double level_factor,
+SplitTree split_chunk(const Mesh& mesh, const Box& cell, uint32_t node_triangles, uint32_t level_factor,
                       float cut_step_m) {
   std::vector<uint32_t> all(mesh.triangle_count());
   std::iota(all.begin(), all.end(), 0U);

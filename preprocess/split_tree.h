@@ -23,7 +23,7 @@ struct SplitTree {
 /// stay whole, on their centroid's side of a plane; planes lie on the lattice of cut_step_m (lattice_cut.h) where they
 /// can. Ends for any triangles, also when all lie in one place. Deterministic. The halves of a cut are divided at
 /// once, by tasks of TBB.
-SplitTree split_chunk(const Mesh& mesh, const Box& cell, uint32_t node_triangles, double level_factor,
+SplitTree split_chunk(const Mesh& mesh, const Box& cell, uint32_t node_triangles, uint32_t level_factor,
                       float cut_step_m = 0);
 
 }  // namespace promenade
