@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "preprocess/visibility/plan_segments.h"
+
 namespace promenade {
 namespace {
 
@@ -13,8 +15,6 @@ constexpr double kRounding = 1e-6;  // relative; floats of distances and slopes
 constexpr double kLeastM = 1e-3;    // nearer to the eye than this nothing is trusted
 /// What of a side lies within a bin is nearer than both its ends by at most this part: bins are at most 8 / kBins rad.
 constexpr double kBulge = 32.0 / AzimuthHorizon::kBins / AzimuthHorizon::kBins;
-
-double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 /// Grows with the angle from +x counter-clockwise, [0, 4): where the direction meets the square |x| + |y| = 1.
 double turn_of(double x, double y) {
@@ -47,24 +47,6 @@ const std::vector<glm::dvec2>& boundaries() {
     return d;
   }();
   return directions;
-}
-
-bool overlaps(const Box& clear, const glm::vec2& a, const glm::vec2& b) {
-  return std::min(a.x, b.x) <= clear.max.x && std::max(a.x, b.x) >= clear.min.x && std::min(a.y, b.y) <= clear.max.y &&
-         std::max(a.y, b.y) >= clear.min.y;
-}
-
-/// Whether the segment comes within the rectangle: the rectangle's corners on both sides of its line, or boxes apart.
-bool meets(const Box& clear, const glm::vec2& a, const glm::vec2& b) {
-  if (!overlaps(clear, a, b)) return false;
-  const glm::dvec2 from(a), along = glm::dvec2(b) - from;
-  bool left = false, right = false;
-  for (unsigned i = 0; i < 4; ++i) {
-    const glm::dvec2 corner((i & 1U) != 0 ? clear.max.x : clear.min.x, (i & 2U) != 0 ? clear.max.y : clear.min.y);
-    const double side = cross(along, corner - from);
-    left |= side >= 0, right |= side <= 0;
-  }
-  return left && right;
 }
 
 }  // namespace

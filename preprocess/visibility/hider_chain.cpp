@@ -7,6 +7,7 @@
 
 #include "geometry/process_memory.h"
 #include "preprocess/visibility/hiders/backface.h"
+#include "preprocess/visibility/hiders/cullmap.h"
 #include "preprocess/visibility/hiders/horizon.h"
 #include "preprocess/visibility/hiders/portals.h"
 #include "preprocess/visibility/hiders/sampled.h"
@@ -56,7 +57,7 @@ std::unique_ptr<Hider> owning(std::unique_ptr<Hider> hider, std::shared_ptr<Shar
 
 uint64_t hash_of(const HiderBuildOptions& options) { return most_tile_bytes(occluder_options(options)); }
 
-std::string_view hider_names() { return "backface, horizon, portals, umbra, shrunk, sampled"; }
+std::string_view hider_names() { return "backface, horizon, cullmap, portals, umbra, shrunk, sampled"; }
 
 const std::vector<std::string>& hiders_for(CellStyle style) {
   static const std::vector<std::string> outdoors = {"backface", "horizon"}, indoors = {"backface", "portals"};
@@ -105,16 +106,17 @@ Result<std::unique_ptr<Hider>> HiderMaker::make_one(std::string_view name) {
     PROMENADE_TRY(need_parts());
     return owning(make_backface_hider(model_.model(), *parts_), parts_);
   }
-  if (name == "horizon") {
+  if (name == "horizon" || name == "cullmap") {
     PROMENADE_TRY(need_parts());
-    Result<OccluderSet> occluders = extract_occluders(model_, occluder_options(options_), monitor_);
-    if (!occluders) return occluders.error();
+    PROMENADE_TRY(need_occluders());
     struct Share {
       std::shared_ptr<NodeParts> parts;
-      OccluderSet occluders;
+      std::shared_ptr<OccluderSet> occluders;
     };
-    auto share = std::make_shared<Share>(Share{parts_, std::move(*occluders)});
-    return owning(make_horizon_hider(model_.model(), *share->parts, share->occluders), share);
+    auto share = std::make_shared<Share>(Share{parts_, occluders_});
+    return owning(name == "horizon" ? make_horizon_hider(model_.model(), *share->parts, *share->occluders)
+                                    : make_cullmap_hider(model_.model(), *share->parts, *share->occluders),
+                  share);
   }
   if (name == "portals") {
     Result<Rooms> rooms = find_rooms(model_, RoomOptions(), monitor_);
@@ -154,6 +156,14 @@ Status HiderMaker::need_parts() {
   if (!parts) return parts.error();
   parts_ = std::make_shared<NodeParts>(std::move(*parts));
   return_freed_memory();
+  return Done{};
+}
+
+Status HiderMaker::need_occluders() {
+  if (occluders_) return Done{};
+  Result<OccluderSet> occluders = extract_occluders(model_, occluder_options(options_), monitor_);
+  if (!occluders) return occluders.error();
+  occluders_ = std::make_shared<OccluderSet>(std::move(*occluders));
   return Done{};
 }
 

@@ -17,6 +17,7 @@ namespace promenade {
 
 class NodeMeshes;
 class NodeParts;
+struct OccluderSet;
 
 struct HiderBuildOptions {
   uint64_t memory_bytes = uint64_t(1) << 30;  ///< for what the hiders prepare and cache, together
@@ -54,6 +55,7 @@ class HiderMaker {
  private:
   Result<std::unique_ptr<Hider>> make_one(std::string_view name);
   Status need_parts();
+  Status need_occluders();
   Status need_solid_boxes();
   Status need_meshes();
 
@@ -61,6 +63,7 @@ class HiderMaker {
   HiderBuildOptions options_;
   JobMonitor& monitor_;
   std::shared_ptr<NodeParts> parts_;
+  std::shared_ptr<OccluderSet> occluders_;
   std::shared_ptr<std::vector<Box>> solid_boxes_;
   std::shared_ptr<NodeMeshes> meshes_;
 };

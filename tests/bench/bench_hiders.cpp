@@ -10,6 +10,7 @@
 #include "preprocess/footprints.h"
 #include "preprocess/visibility/azimuth_horizon.h"
 #include "preprocess/visibility/box_view.h"
+#include "preprocess/visibility/cull_map.h"
 #include "preprocess/visibility/projection_point.h"
 #include "tests/preprocess/situations.h"
 
@@ -104,6 +105,25 @@ void horizon(benchmark::State& state) {
   state.counters["hidden"] = double(hidden);
 }
 BENCHMARK(horizon)->Unit(benchmark::kMicrosecond);
+
+/// A cull map of the same blocks, and the same questions.
+void cull_map(benchmark::State& state) {
+  const std::vector<Box> solids = blocks(1500), asked = things();
+  CullMap map;
+  size_t hidden = 0;
+  for (auto _ : state) {
+    map.reset(cell, {-610, -610}, {610, 610});
+    for (const Box& box : solids) {
+      const std::array<glm::vec2, 4> outline = {
+          glm::vec2(box.min), {box.max.x, box.min.y}, glm::vec2(box.max), {box.min.x, box.max.y}};
+      if (!map.hides(box)) map.add_solid(outline, box.max.z, cell);
+    }
+    hidden = 0;
+    for (const Box& box : asked) hidden += map.hides(box) ? 1U : 0U;
+  }
+  state.counters["hidden"] = double(hidden);
+}
+BENCHMARK(cull_map)->Unit(benchmark::kMicrosecond);
 
 /// A solid of so many boxes beside one another: proof that it is closed, slices, plans.
 void footprints(benchmark::State& state) {

@@ -243,6 +243,15 @@ std::vector<Situation> situations() {
 class WhoSeesWhom : public testing::TestWithParam<Situation> {};
 
 TEST_P(WhoSeesWhom, is_as_the_situation_says) { expect_as_said(GetParam(), hiders_for(CellStyle::octree)); }
+TEST_P(WhoSeesWhom, is_as_cull_maps_say) {
+  Situation situation = GetParam();
+  // From the whole cell the two shadows do not meet; `horizon` asks parts of it.
+  if (situation.name == "two_houses_together_hide_what_neither_does") {
+    situation.kept.insert(situation.kept.end(), situation.hidden.begin(), situation.hidden.end());
+    situation.hidden.clear();
+  }
+  expect_as_said(situation, {"backface", "cullmap"});
+}
 
 INSTANTIATE_TEST_SUITE_P(Hiders, WhoSeesWhom, testing::ValuesIn(situations()),
                          [](const auto& param_info) { return param_info.param.name; });
@@ -422,7 +431,8 @@ TEST(Hiders, chains_are_parsed_and_unknown_names_refused) {
   EXPECT_THAT(resolved_hiders(*parse_hiders("portals"), CellStyle::octree), testing::ElementsAre("portals"));
   for (const std::string wrong : {"portals of doom", "horizon,horizon", "horizon,", ",", "Horizon", "auto,horizon"})
     EXPECT_FALSE(parse_hiders(wrong).ok()) << wrong;
-  EXPECT_THAT(parse_hiders("shadow").error().message, HasSubstr("backface, horizon, portals, umbra, shrunk, sampled"));
+  EXPECT_THAT(parse_hiders("shadow").error().message,
+              HasSubstr("backface, horizon, cullmap, portals, umbra, shrunk, sampled"));
 }
 
 TEST(Occluders, are_the_same_at_any_number_of_threads) {

@@ -8,19 +8,15 @@
 // them work together: a ray from another point of the segment runs within the erosion of the middle's ray, at the same
 // heights. Seen past the solids as they are: seen. Neither: the segment is halved.
 // Source: the shrinking of occluders for a region of eyes is [chhugani2003] section 5.2's (its [WWS00]).
-//
-// A cell that reaches into houses is asked as its open parts, one after the other: what none of them sees is hidden.
 
 #include "preprocess/visibility/hiders/horizon.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "preprocess/visibility/azimuth_horizon.h"
-#include "preprocess/visibility/error_map.h"
-#include "preprocess/visibility/open_parts.h"
+#include "preprocess/visibility/hiders/upright_cell.h"
 
 namespace promenade {
 namespace {
@@ -33,28 +29,9 @@ constexpr int kLook = 3;
 constexpr size_t kFewTargets = 500;  // more are looked at node by node, but for nodes that fill a wide angle
 constexpr uint32_t kWideBins = AzimuthHorizon::kBins / 16;
 
-/// Whether one of two boxes lies above or below the other.
-bool share_plan(const Box& a, const Box& b) {
-  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y;
-}
-
-float plan_distance(const Box& a, const Box& b) {
-  const glm::vec2 gap =
-      glm::max(glm::max(glm::vec2(a.min) - glm::vec2(b.max), glm::vec2(b.min) - glm::vec2(a.max)), glm::vec2(0));
-  return std::hypot(gap.x, gap.y);
-}
-
-/// Boxes that must be hidden one by one; several belong to a node.
-struct Target {
-  Box box;
-  uint32_t node;  ///< into the front
-};
-
-/// A cell's question in work, or that of an open part of it.
-class CellWork {
+class CellWork : UprightCell {
  public:
-  CellWork(const HeldParts& parts, const OccluderSet& set, const HiderQuestion& question, std::span<uint8_t> hidden)
-      : parts_(parts), set_(set), cell_(question.cell), front_(question.front), hidden_(hidden) {}
+  using UprightCell::UprightCell;
 
   void run(const std::vector<UsableOccluder>& occluders) {
     gather_targets();
@@ -62,21 +39,10 @@ class CellWork {
     if (usable_.empty()) return;
     look_from_corners();
     prove_edges();
-    for (size_t i = 0; i < front_.size(); ++i)
-      if (state_[i] == State::open) hidden_[i] = 1;
+    hide_open();
   }
 
  private:
-  using Ground = OccluderSet::Ground;
-  enum class State : uint8_t { open, seen };
-  enum class Fate : uint8_t { unseen, open, seen };
-  enum class Slipped : uint8_t { unknown, no, yes };
-  using Targets = std::vector<uint32_t>;
-
-  Fate fate_of(const NodePart& part, bool may_slip);
-  bool is_slipped_under(size_t usable);
-  void gather_targets();
-  void gather_occluders(const std::vector<UsableOccluder>& occluders);
   void look_from_corners();
   void prove_edges();
   void prove(const glm::dvec3& from, const glm::dvec3& to, Targets targets, int halvings);
@@ -85,100 +51,15 @@ class CellWork {
   Targets not_hidden(const Targets& targets);
   /// Keeps nodes with a target that the horizon does not hide.
   void keep_seen(const Targets& targets) { keep(not_hidden(targets)); }
-  void keep(const Targets& targets) {
-    for (const uint32_t t : targets) state_[targets_[t].node] = State::seen;
-  }
-  Targets still_open(const Targets& targets) const {
-    Targets open;
-    for (const uint32_t t : targets)
-      if (state_[targets_[t].node] == State::open) open.push_back(t);
-    return open;
-  }
   std::array<glm::dvec3, 4> corners() const {
     const glm::dvec3 low(cell_.min), high(cell_.max);
     return {
         glm::dvec3(low.x, low.y, high.z), {high.x, low.y, high.z}, {high.x, high.y, high.z}, {low.x, high.y, high.z}};
   }
 
-  const HeldParts& parts_;
-  const OccluderSet& set_;
-  const Box cell_;
-  std::span<const NodeId> front_;
-  std::span<uint8_t> hidden_;
-  std::vector<State> state_;
-  std::vector<Target> targets_;         ///< by node
-  std::vector<Box> boxes_;              ///< of a node's targets together
-  float eyes_from_m_ = 0;               ///< no eye is lower
-  float lowest_m_ = 0;                  ///< no ray that matters goes below
-  std::vector<UsableOccluder> usable_;  ///< nearest first
-  std::vector<Slipped> slipped_;        ///< by usable one: whether rays may run beneath it
   AzimuthHorizon horizon_;
   std::vector<BoxInView> views_;  ///< of the targets that it was filled for; empty: these are many
 };
-
-/// What rays from the cell may do on their way to a part. Eyes are in the air, so above the ground; what lies below the
-/// ground is seen only by rays that slip under it.
-CellWork::Fate CellWork::fate_of(const NodePart& part, bool may_slip) {
-  if (faces_away_from_cell(part.cone, part.box, cell_)) return Fate::unseen;
-  const Ground& ground = set_.ground;
-  const float solid = ground.solid_below(part.box);
-  float lowest = part.box.min.z;
-  if (lowest < solid && !(may_slip && ground.has_slips(cell_, part.box))) {
-    if (part.box.max.z < solid) return Fate::unseen;
-    lowest = solid;
-  }
-  if (share_plan(part.box, cell_)) return Fate::seen;
-  lowest_m_ = std::min(lowest_m_, lowest);
-  return Fate::open;
-}
-
-/// The parts of each node that must be hidden for it to be. A node with a part above, below or around the cell is seen.
-void CellWork::gather_targets() {
-  state_.assign(front_.size(), State::open);
-  boxes_.assign(front_.size(), Box());
-  eyes_from_m_ = std::max(cell_.min.z, std::min(set_.ground.solid_below(cell_), cell_.max.z));
-  lowest_m_ = eyes_from_m_;
-  for (uint32_t i = 0; i < front_.size(); ++i) {
-    if (hidden_[i] != 0) {
-      state_[i] = State::seen;  // nothing to prove; what is set already stays
-      continue;
-    }
-    const size_t first = targets_.size();
-    Box whole;
-    for (const NodePart& part : parts_.of(i)) whole.add(part.box);
-    const bool may_slip = set_.ground.has_slips(cell_, whole);
-    for (const NodePart& part : parts_.of(i)) {
-      const Fate fate = fate_of(part, may_slip);
-      if (fate == Fate::open) targets_.push_back({part.box, i}), boxes_[i].add(part.box);
-      if (fate != Fate::seen) continue;
-      state_[i] = State::seen;
-      targets_.resize(first);
-      break;
-    }
-  }
-}
-
-void CellWork::gather_occluders(const std::vector<UsableOccluder>& occluders) {
-  usable_.reserve(occluders.size());
-  for (const UsableOccluder& each : occluders) {
-    const Occluder& occluder = *each.occluder;
-    if (occluder.base_m > lowest_m_) continue;
-    usable_.push_back({&occluder, each.error_m, plan_distance(occluder.box, cell_)});
-  }
-  std::stable_sort(usable_.begin(), usable_.end(),
-                   [](const UsableOccluder& a, const UsableOccluder& b) { return a.distance_m < b.distance_m; });
-  slipped_.assign(usable_.size(), Slipped::unknown);
-}
-
-/// A ray may be under an occluder that goes all the way down when it slipped under the ground before. Asked of those
-/// alone that would hide something: most of a city's never would.
-bool CellWork::is_slipped_under(size_t usable) {
-  if (lowest_m_ >= set_.ground.slips_top_m) return false;
-  Slipped& known = slipped_[usable];
-  if (known == Slipped::unknown)
-    known = set_.ground.has_slips(cell_, usable_[usable].occluder->box) ? Slipped::yes : Slipped::no;
-  return known == Slipped::yes;
-}
 
 void CellWork::fill_horizon(const glm::dvec3& eye, const Targets& targets, float erosion_m) {
   horizon_.reset(eye);
@@ -230,8 +111,7 @@ CellWork::Targets CellWork::not_hidden(const Targets& targets) {
 
 /// Most of what is seen is seen from a corner.
 void CellWork::look_from_corners() {
-  Targets open(targets_.size());
-  std::iota(open.begin(), open.end(), 0U);
+  Targets open = all_targets();
   for (const glm::dvec3& eye : corners()) {
     fill_horizon(eye, open, 0);
     keep_seen(open);
@@ -240,8 +120,7 @@ void CellWork::look_from_corners() {
 }
 
 void CellWork::prove_edges() {
-  Targets all(targets_.size());
-  std::iota(all.begin(), all.end(), 0U);
+  const Targets all = all_targets();
   const auto corner = corners();
   for (size_t i = 0; i < 4; ++i) prove(corner[i], corner[(i + 1) % 4], still_open(all), 0);
 }
@@ -274,29 +153,15 @@ class HorizonHider : public Hider {
   Status hide(const HiderQuestion& question, std::span<uint8_t> hidden) const override {
     const Result<HeldParts> held = parts_.hold(question.front, hidden);
     if (!held) return held.error();
-    const std::vector<UsableOccluder> usable = usable_in(question);
-    std::vector<uint8_t> settled(hidden.begin(), hidden.end()), seen(hidden.size(), 0);
-    for (const Box& part : open_parts(question.cell, occluders_, usable)) {
-      std::vector<uint8_t> hidden_there = settled;
-      CellWork(*held, occluders_, {part, question.front}, hidden_there).run(usable);
-      for (size_t i = 0; i < hidden.size(); ++i)
-        if (hidden_there[i] == 0) settled[i] = seen[i] = 1;
-    }
-    for (size_t i = 0; i < hidden.size(); ++i)
-      if (seen[i] == 0) hidden[i] = 1;
+    const std::vector<UsableOccluder> usable = usable_occluders(model_, occluders_, question);
+    hide_from_open_parts(question, occluders_, usable, hidden,
+                         [&](const HiderQuestion& part, std::span<uint8_t> hidden_there) {
+                           CellWork(*held, occluders_, part, hidden_there).run(usable);
+                         });
     return Done{};
   }
 
  private:
-  std::vector<UsableOccluder> usable_in(const HiderQuestion& question) const {
-    ErrorMap errors(model_, question.front);
-    std::vector<UsableOccluder> usable;
-    usable.reserve(occluders_.occluders.size());
-    for (const Occluder& occluder : occluders_.occluders)
-      usable.push_back({&occluder, errors.around(occluder.box), plan_distance(occluder.box, question.cell)});
-    return usable;
-  }
-
   const Model& model_;
   const NodeParts& parts_;
   const OccluderSet& occluders_;
