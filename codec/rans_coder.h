@@ -86,6 +86,8 @@ class RansDecoder {
   }
   /// Whether more was read than there is.
   bool overrun() const { return overrun_; }
+  /// Whether all was read that an encoder put, and nothing else is there.
+  bool at_end() const { return !overrun_ && at_ == end_ && state_ == kLeastRansState; }
 
  private:
   static constexpr uint64_t kMask = (uint64_t(1) << kRansChanceBits) - 1;

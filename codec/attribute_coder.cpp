@@ -1,0 +1,225 @@
+#include "codec/attribute_coder.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "codec/angle_normals.h"
+#include "codec/place_coder.h"
+
+namespace promenade {
+namespace {
+
+constexpr uint32_t kNone = VertexKin::kNone;
+
+// Of a normal: none; what the triangles around let expect; as the twin's; as the likely vertex'; as the vertex' before;
+// told.
+constexpr uint8_t kNoNormalKind = 0, kForetold = 1, kTwin = 2, kLikely = 3, kBefore = 4, kTold = 5;
+
+/// The vertex that one is likely to look like; kNone: there is none.
+uint32_t like_of(const VertexKin& kin) { return kin.guess.known == 0 ? kNone : kin.guess.a; }
+
+/// The vertex that a normal of this kind is taken from; kNone: none.
+uint32_t normal_source(const VertexKin& kin, uint32_t vertex, uint8_t kind) {
+  if (kind == kTwin) return kin.twin;
+  if (kind == kLikely) return like_of(kin);
+  return kind == kBefore && vertex > 0 ? vertex - 1 : kNone;
+}
+
+uint8_t normal_kind(const std::vector<glm::i16vec2>& normals, const VertexKin& kin, uint32_t v,
+                    const glm::i16vec2& foretold) {
+  if (normals[v] == kNoNormal) return kNoNormalKind;
+  if (normals[v] == foretold) return kForetold;
+  for (uint8_t kind = kTwin; kind < kTold; ++kind)
+    if (const uint32_t source = normal_source(kin, v, kind); source != kNone && normals[source] == normals[v])
+      return kind;
+  return kTold;
+}
+
+uint32_t difference(int16_t a, int16_t b) { return static_cast<uint32_t>(a) - static_cast<uint32_t>(b); }
+
+/// Two numbers told as differences, the second's width by the first's.
+struct PairModels {
+  static constexpr size_t kContexts = 8;
+  NibbleModel first;
+  std::array<NibbleModel, kContexts> second;
+};
+
+template <class Side>
+std::array<uint32_t, 2> tell_pair(Side& side, PairModels& models, const std::array<uint32_t, 2>& folded_numbers) {
+  const uint32_t first = tell_number(side, models.first, folded_numbers[0]);
+  const size_t width = std::min<size_t>(static_cast<size_t>(std::bit_width(first)), PairModels::kContexts - 1);
+  return {first, tell_number(side, models.second[width], folded_numbers[1])};
+}
+
+/// Red above all, so that colours in order have small steps of red.
+uint32_t packed(const glm::u8vec4& c) {
+  return uint32_t(c.r) << 24U | uint32_t(c.g) << 16U | uint32_t(c.b) << 8U | uint32_t(c.a);
+}
+glm::u8vec4 unpacked(uint32_t c) { return {c >> 24U, (c >> 16U) & 0xffU, (c >> 8U) & 0xffU, c & 0xffU}; }
+
+std::vector<uint32_t> palette_of(const std::vector<glm::u8vec4>& colors) {
+  std::vector<uint32_t> palette;
+  palette.reserve(colors.size());
+  for (const glm::u8vec4& c : colors) palette.push_back(packed(c));
+  std::sort(palette.begin(), palette.end());
+  palette.erase(std::unique(palette.begin(), palette.end()), palette.end());
+  return palette;
+}
+
+/// The different colours, in order, each as its components' differences from the one before.
+template <class Side>
+bool tell_palette(Side& side, size_t vertices, std::vector<uint32_t>& palette) {
+  const uint32_t count = side.tell_bits(32, static_cast<uint32_t>(palette.size()));
+  if (count > vertices) return false;
+  palette.resize(count);
+  std::array<NibbleModel, 4> models;
+  uint32_t before = 0;
+  for (uint32_t& color : palette) {
+    uint32_t told = 0;
+    for (unsigned i = 0; i < 4; ++i) {
+      const unsigned low = 24 - 8 * i;
+      const auto step = static_cast<int8_t>((color >> low) - (before >> low));
+      const uint32_t number = tell_number(
+          side, models[i], i == 0 ? static_cast<uint8_t>(step) : folded(static_cast<uint32_t>(int(step)), true));
+      told |= (((before >> low) + (i == 0 ? number : unfolded(number))) & 0xffU) << low;
+    }
+    before = color = told;
+    if (side.is_broken()) return false;
+  }
+  return true;
+}
+
+/// Four vertices, each a bit, the first the lowest.
+struct Four {
+  uint32_t twins = 0;   ///< which have one
+  uint32_t others = 0;  ///< which are not coloured like their likely vertex
+};
+
+Four four_from(uint32_t first, const std::vector<VertexKin>& kin, const std::vector<glm::u8vec4>& colors, bool puts) {
+  Four four;
+  for (uint32_t i = 0; i < 4 && first + i < kin.size(); ++i) {
+    const VertexKin& of = kin[first + i];
+    const uint32_t like = like_of(of);
+    four.twins |= of.twin != kNone ? 1U << i : 0U;
+    if (puts) four.others |= like == kNone || colors[first + i] != colors[like] ? 1U << i : 0U;
+  }
+  return four;
+}
+
+}  // namespace
+
+template <class Side>
+bool tell_normals(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
+  const auto count = static_cast<uint32_t>(kin.size());
+  std::vector<uint8_t> kinds(count), is_wanted(count, 1);
+  std::vector<glm::i16vec2> foretold;
+  if constexpr (Side::kPuts)
+    for (uint32_t v = 0; v < count; ++v) is_wanted[v] = mesh.normals[v] != kNoNormal ? 1 : 0;
+  const auto foretell = [&] {
+    if (mesh.on_grid) foretold = normals_by_angle(mesh, is_wanted);
+    foretold.resize(count);
+  };
+  if constexpr (Side::kPuts) foretell();
+  std::array<std::array<NibbleModel, 3>, 2> kind_models;  // by whether there is a twin, and what the likely vertex has
+  mesh.normals.resize(count);
+  for (uint32_t v = 0; v < count; ++v) {
+    const uint32_t like = like_of(kin[v]);
+    if constexpr (Side::kPuts) kinds[v] = normal_kind(mesh.normals, kin[v], v, foretold[v]);
+    const size_t likely = like == kNone ? 0 : kinds[like] == kNoNormalKind ? 1 : 2;
+    kinds[v] = static_cast<uint8_t>(side.tell(kind_models[kin[v].twin != kNone ? 1 : 0][likely], kinds[v]));
+    if (kinds[v] > kTold) return false;
+    is_wanted[v] = kinds[v] == kForetold || kinds[v] == kTold ? 1 : 0;
+  }
+  if constexpr (!Side::kPuts) foretell();
+  PairModels models;
+  for (uint32_t v = 0; v < count && !side.is_broken(); ++v) {
+    glm::i16vec2& normal = mesh.normals[v];
+    if (kinds[v] == kNoNormalKind) {
+      normal = kNoNormal;
+    } else if (kinds[v] == kForetold) {
+      normal = foretold[v];
+    } else if (kinds[v] == kTold) {
+      const glm::i16vec2 from = foretold[v];
+      const auto told = tell_pair(
+          side, models, {folded(difference(normal.x, from.x), false), folded(difference(normal.y, from.y), false)});
+      for (int i = 0; i < 2; ++i)
+        normal[i] = static_cast<int16_t>((static_cast<uint32_t>(from[i]) + unfolded(told[size_t(i)])) & 0xffffU);
+    } else {
+      const uint32_t source = normal_source(kin[v], v, kinds[v]);
+      if (source == kNone) return false;
+      normal = mesh.normals[source];
+    }
+  }
+  return true;
+}
+
+template <class Side>
+bool tell_texcoords(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
+  std::vector<glm::u32vec2>& values = mesh.texcoords;
+  values.resize(kin.size());
+  std::array<PairModels, 3> models;  // by what is known
+  for (uint32_t v = 0; v < kin.size() && !side.is_broken(); ++v) {
+    const Guess& guess = kin[v].guess;
+    const glm::u32vec2 from(expected(values, guess, 0), expected(values, guess, 1));
+    const auto told = tell_pair(side, models[std::min<size_t>(guess.known, 2)],
+                                {folded(values[v].x - from.x, true), folded(values[v].y - from.y, true)});
+    values[v] = from + glm::u32vec2(unfolded(told[0]), unfolded(told[1]));
+  }
+  return true;
+}
+
+template <class Side>
+bool tell_colors(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
+  constexpr uint32_t kFarther = NibbleModel::kSymbols - 1;
+  std::vector<uint32_t> palette;
+  if constexpr (Side::kPuts) palette = palette_of(mesh.colors);
+  if (!tell_palette(side, kin.size(), palette)) return false;
+  const auto colors = static_cast<uint32_t>(palette.size());
+  mesh.colors.resize(kin.size());
+  std::array<NibbleModel, 16> other_models;  // of four vertices, by which of them have twins
+  std::array<NibbleModel, 2> rank_models;
+  Recent recent;        // places in the palette
+  uint32_t others = 0;  // which of four vertices do not look like their likely one
+  for (uint32_t v = 0; v < kin.size() && !side.is_broken(); ++v) {
+    const uint32_t like = like_of(kin[v]);
+    if (v % 4 == 0) {
+      const Four four = four_from(v, kin, mesh.colors, Side::kPuts);
+      others = side.tell(other_models[four.twins], four.others);
+    }
+    const size_t has_twin = kin[v].twin != kNone ? 1 : 0;
+    if ((others >> (v % 4) & 1U) == 0) {
+      if (like == kNone) return false;
+      mesh.colors[v] = mesh.colors[like];
+      continue;
+    }
+    uint32_t place = 0, rank = 0;
+    if constexpr (Side::kPuts) {
+      place = static_cast<uint32_t>(std::lower_bound(palette.begin(), palette.end(), packed(mesh.colors[v])) -
+                                    palette.begin());
+      rank = std::min(recent.rank_of(place), kFarther);
+    }
+    rank = side.tell(rank_models[has_twin], rank);
+    if (rank == kFarther) {
+      if (colors == 0) return false;
+      place = tell_one_of(side, colors, place);
+      if (place >= colors) return false;
+      const uint32_t known = recent.rank_of(place);
+      known == Recent::kNone ? recent.add(place) : recent.use(known);
+    } else {
+      if (rank >= recent.count()) return false;
+      place = recent.at(rank);
+      recent.use(rank);
+    }
+    mesh.colors[v] = unpacked(palette[place]);
+  }
+  return true;
+}
+
+template bool tell_normals(PutSide&, const std::vector<VertexKin>&, QuantizedMesh&);
+template bool tell_normals(GetSide&, const std::vector<VertexKin>&, QuantizedMesh&);
+template bool tell_texcoords(PutSide&, const std::vector<VertexKin>&, QuantizedMesh&);
+template bool tell_texcoords(GetSide&, const std::vector<VertexKin>&, QuantizedMesh&);
+template bool tell_colors(PutSide&, const std::vector<VertexKin>&, QuantizedMesh&);
+template bool tell_colors(GetSide&, const std::vector<VertexKin>&, QuantizedMesh&);
+
+}  // namespace promenade
