@@ -92,6 +92,14 @@ uint32_t tell_one_of(Side& side, uint32_t count, uint32_t value) {
   return (high << 1U | side.tell_bits(1, (value + few) & 1U)) - few;
 }
 
+/// A number's bits below its highest, which is known. width: of the number, at most 32.
+template <class Side>
+[[gnu::always_inline]] inline uint32_t tell_low_bits(Side& side, uint32_t width, uint32_t value) {
+  if (width < 2) return width;
+  const uint32_t highest = 1U << (width - 1);
+  return highest | side.tell_bits(width - 1, value & (highest - 1));
+}
+
 /// A number of up to 32 bits: how many it takes, by the model; those below the highest as they are.
 template <class Side>
 uint32_t tell_number(Side& side, NibbleModel& model, uint32_t value) {
@@ -100,9 +108,7 @@ uint32_t tell_number(Side& side, NibbleModel& model, uint32_t value) {
   const auto wanted = static_cast<uint32_t>(std::bit_width(value));
   uint32_t width = side.tell(model, std::min(wanted, kMore));
   if (width == kMore) width = std::min(kMore + side.tell_bits(kMoreBits, wanted - std::min(wanted, kMore)), 32U);
-  if (width < 2) return width;
-  const uint32_t highest = 1U << (width - 1);
-  return highest | side.tell_bits(width - 1, value & (highest - 1));
+  return tell_low_bits(side, width, value);
 }
 
 }  // namespace promenade

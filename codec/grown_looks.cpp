@@ -1,19 +1,19 @@
-#include "codec/attribute_coder.h"
+#include "codec/grown_looks.h"
 
 #include <algorithm>
 #include <bit>
 
 #include "codec/angle_normals.h"
-#include "codec/place_coder.h"
+#include "codec/recent.h"
 
 namespace promenade {
 namespace {
 
 constexpr uint32_t kNone = VertexKin::kNone;
 
-// Of a normal: none; what the triangles around let expect; as the twin's; as the likely vertex'; as the vertex' before;
-// told.
-constexpr uint8_t kNoNormalKind = 0, kForetold = 1, kTwin = 2, kLikely = 3, kBefore = 4, kTold = 5;
+// Of a normal: what the triangles around let expect; as the twin's; as the likely vertex'; as the vertex' before; told;
+// none.
+constexpr uint8_t kForetold = 0, kTwin = 1, kLikely = 2, kBefore = 3, kTold = 4, kNoNormalKind = 5;
 
 /// The vertex that one is likely to look like; kNone: there is none.
 uint32_t like_of(const VertexKin& kin) { return kin.guess.known == 0 ? kNone : kin.guess.a; }
@@ -27,7 +27,6 @@ uint32_t normal_source(const VertexKin& kin, uint32_t vertex, uint8_t kind) {
 
 uint8_t normal_kind(const std::vector<glm::i16vec2>& normals, const VertexKin& kin, uint32_t v,
                     const glm::i16vec2& foretold) {
-  if (normals[v] == kNoNormal) return kNoNormalKind;
   if (normals[v] == foretold) return kForetold;
   for (uint8_t kind = kTwin; kind < kTold; ++kind)
     if (const uint32_t source = normal_source(kin, v, kind); source != kNone && normals[source] == normals[v])
@@ -120,9 +119,22 @@ bool tell_normals(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& 
     foretold.resize(count);
   };
   if constexpr (Side::kPuts) foretell();
+  std::array<NibbleModel, 16> none_models;                // which of four vertices have none, by which of the last four
   std::array<std::array<NibbleModel, 3>, 2> kind_models;  // by whether there is a twin, and what the likely vertex has
   mesh.normals.resize(count);
+  uint32_t without = 0;
   for (uint32_t v = 0; v < count; ++v) {
+    if (v % 4 == 0) {
+      uint32_t wanted = 0;
+      if constexpr (Side::kPuts)
+        for (uint32_t i = 0; i < 4 && v + i < count; ++i) wanted |= is_wanted[v + i] == 0 ? 1U << i : 0U;
+      without = side.tell(none_models[without], wanted);
+    }
+    if ((without >> (v % 4) & 1U) != 0) {
+      kinds[v] = kNoNormalKind;
+      is_wanted[v] = 0;
+      continue;
+    }
     const uint32_t like = like_of(kin[v]);
     if constexpr (Side::kPuts) kinds[v] = normal_kind(mesh.normals, kin[v], v, foretold[v]);
     const size_t likely = like == kNone ? 0 : kinds[like] == kNoNormalKind ? 1 : 2;
@@ -204,11 +216,11 @@ bool tell_colors(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& m
       place = tell_one_of(side, colors, place);
       if (place >= colors) return false;
       const uint32_t known = recent.rank_of(place);
-      known == Recent::kNone ? recent.add(place) : recent.use(known);
+      known == Recent::kMost ? recent.add(place) : recent.use(known);
     } else {
-      if (rank >= recent.count()) return false;
       place = recent.at(rank);
       recent.use(rank);
+      if (place >= colors) return false;
     }
     mesh.colors[v] = unpacked(palette[place]);
   }

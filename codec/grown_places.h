@@ -1,0 +1,236 @@
+#pragma once
+// Places of a grown mesh, each by those known near it: most coordinates of what people build equal one of theirs, or
+// lie as far from where they are expected as others did, and whole parts repeat. FORMAT.md says how.
+
+#include <emmintrin.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "codec/grown_kin.h"
+#include "codec/recent.h"
+#include "codec/told_number.h"
+
+namespace promenade {
+
+/// A place's numbers: x, y, z, and whether it lies beside the grid.
+struct alignas(16) Place {
+  std::array<uint32_t, 4> at{};
+};
+
+template <class Side>
+class PlaceTeller {
+ public:
+  /// most: about how many there will be. fine_bits: places that are not told to lie beside the grid have none of these.
+  PlaceTeller(Side& side, bool on_grid, uint32_t fine_bits, size_t most)
+      : side_(side),
+        continues_(on_grid),
+        fine_bits_(fine_bits),
+        table_bits_(static_cast<unsigned>(std::clamp(int(std::bit_width(most)), kLeastTableBits, kMostTableBits))) {
+    for (auto& table : tables_) table.assign(size_t(1) << table_bits_, kNone);
+    places_.reserve(most + kFirstPlace);
+    places_.resize(kFirstPlace);
+    traces_.reserve(most);
+  }
+  /// The next place. wanted: a PutSide's.
+  void tell(const PlaceKin& kin, const Place& wanted);
+  /// With kFirstPlace more before the first.
+  const std::vector<Place>& places() const { return places_; }
+
+ private:
+  static constexpr uint32_t kNone = 0xffffffffU;
+  static constexpr int kLeastTableBits = 6, kMostTableBits = 16;
+  // Of a component: as one of four slots: expected, as one of three likely places; as far off as another was; as
+  // another was; told, the number's width from kLeastWidth on among the kinds, or in full.
+  static constexpr uint32_t kSlots = 4, kSameOffset = 4, kSameValue = 5, kTold = 6, kToldInFull = 15;
+  static constexpr uint32_t kLeastWidth = 5;  // measured: nine widths from there are seven eighths of all
+  // What a kind is told by: the kinds of the components before it, what is off by any means alike.
+  static constexpr uint32_t kKinds = kSlots + 1, kKindContexts = 1 + kKinds + kKinds * kKinds;
+
+  /// How a place was found: for each component a slot, and how far from there it is.
+  struct Trace {
+    std::array<uint32_t, 3> offsets{};
+    std::array<uint8_t, 4> slots{};
+  };
+  /// What slots hold: by slot, by component.
+  struct Site {
+    alignas(16) std::array<std::array<uint32_t, 4>, kSlots> values;
+    uint32_t family = 0, is_fine = 0, shift = 0;
+  };
+  struct AxisModels {
+    std::array<std::array<NibbleModel, kKindContexts>, 3> kinds;  ///< by family
+    NibbleModel offset_rank, value_rank, width;
+    BitModel sign;
+    Recent offsets, values;
+  };
+
+  Site site_of(const PlaceKin& kin, const Place& wanted);
+  uint32_t find_twin(const Site& site, size_t& order);
+  static uint32_t size_of(uint32_t offset) { return std::min(offset, 0 - offset); }
+  /// An offset is no 0, and a whole number of steps.
+  static uint32_t told_of_offset(uint32_t offset, uint32_t shift) {
+    return folded(static_cast<uint32_t>(static_cast<int32_t>(offset) >> shift), true) - 1;
+  }
+  static uint32_t offset_of_told(uint32_t told, uint32_t shift) { return unfolded(told + 1) << shift; }
+  static uint32_t slot_of(const Site& site, size_t axis, uint32_t value);
+  uint32_t kind_of(const AxisModels& models, const Site& site, size_t axis, uint32_t value) const;
+  uint32_t tell_offset(AxisModels& models, const Site& site, uint32_t kind, uint32_t expected, uint32_t wanted);
+  void remember(const Trace& trace);
+
+  Side& side_;
+  bool continues_;  ///< whether places continue linearly: bits of floats do not
+  uint32_t fine_bits_;
+  unsigned table_bits_;
+  std::vector<Place> places_;
+  std::array<std::array<AxisModels, 3>, 2> axes_;  ///< by fineness
+  std::array<BitModel, 12> fine_models_;
+  // Places with the same ones before them, by hash: the latest after the same three, after the same one.
+  std::array<std::vector<uint32_t>, 2> tables_;
+  std::array<size_t, 2> slots_{};
+  std::vector<Trace> traces_;
+  std::array<uint64_t, 3> before_{};  ///< hashes of the last three places' traces
+  std::array<std::array<NibbleModel, 8>, 2> same_models_;
+  uint32_t same_before_ = 0;  ///< which components the last place had in common with its twin
+};
+
+template <class Side>
+[[gnu::always_inline]] inline typename PlaceTeller<Side>::Site PlaceTeller<Side>::site_of(const PlaceKin& kin,
+                                                                                          const Place& wanted) {
+  const auto at = [this](uint32_t place) {
+    return _mm_load_si128(reinterpret_cast<const __m128i*>(places_[place].at.data()));
+  };
+  const __m128i a = at(kin.a), b = at(kin.b), c = at(kin.c);
+  Site site;
+  site.family = continues_ ? kin.family : std::min(kin.family, 1U);
+  uint32_t mask = ~0U;
+  if (fine_bits_ > 0) {
+    const uint32_t beside = places_[kin.a].at[3] * 2U + places_[kin.b].at[3];
+    const uint32_t fine = (wanted.at[0] | wanted.at[1] | wanted.at[2]) & ((1U << fine_bits_) - 1);
+    site.is_fine = side_.tell(fine_models_[site.family * 4 + beside], fine != 0 ? 1 : 0);
+    site.shift = site.is_fine != 0 ? 0 : fine_bits_;
+    mask <<= site.shift;
+  }
+  const __m128i masks = _mm_set1_epi32(static_cast<int>(mask));
+  const __m128i expected = site.family == 2 ? _mm_sub_epi32(_mm_add_epi32(a, b), c) : a;
+  const auto keep = [&](size_t slot, __m128i values) {
+    _mm_store_si128(reinterpret_cast<__m128i*>(site.values[slot].data()), _mm_and_si128(values, masks));
+  };
+  keep(0, expected), keep(1, a), keep(2, b), keep(3, c);
+  return site;
+}
+
+/// The latest place that came after the same ones as this (kNone: none is known), and by which table.
+template <class Side>
+[[gnu::always_inline]] inline uint32_t PlaceTeller<Side>::find_twin(const Site& site, size_t& order) {
+  constexpr uint64_t kMix = 0x9e3779b97f4a7c15ULL;
+  const uint64_t after_one = (site.family * 2 + site.is_fine + 1 + before_[0]) * kMix;
+  const uint64_t after_three = ((after_one ^ before_[1]) * kMix ^ before_[2]) * kMix;
+  slots_ = {after_three >> (64 - table_bits_), after_one >> (64 - table_bits_)};
+  const uint32_t twin = tables_[0][slots_[0]];
+  order = twin != kNone ? 0 : 1;
+  return twin != kNone ? twin : tables_[1][slots_[1]];
+}
+
+template <class Side>
+[[gnu::always_inline]] inline void PlaceTeller<Side>::remember(const Trace& trace) {
+  constexpr uint64_t kMix = 0xbf58476d1ce4e5b9ULL;
+  const auto index = static_cast<uint32_t>(traces_.size());
+  for (size_t i = 0; i < 2; ++i) tables_[i][slots_[i]] = index;
+  traces_.push_back(trace);
+  uint64_t hash = 1;
+  for (size_t i = 0; i < 3; ++i) hash = (hash ^ (uint64_t(trace.slots[i]) << 32U | trace.offsets[i])) * kMix;
+  before_ = {hash ^ hash >> 32U, before_[0], before_[1]};
+}
+
+/// The first slot that holds a value; kSlots: none.
+template <class Side>
+uint32_t PlaceTeller<Side>::slot_of(const Site& site, size_t axis, uint32_t value) {
+  uint32_t slot = 0;
+  while (slot < kSlots && site.values[slot][axis] != value) ++slot;
+  return slot;
+}
+
+/// What a PutSide tells of a component.
+template <class Side>
+uint32_t PlaceTeller<Side>::kind_of(const AxisModels& models, const Site& site, size_t axis, uint32_t value) const {
+  if (const uint32_t slot = slot_of(site, axis, value); slot < kSlots) return slot;
+  const uint32_t offset = value - site.values[0][axis];
+  const uint32_t offset_rank = models.offsets.rank_of(size_of(offset)), value_rank = models.values.rank_of(value);
+  if (offset_rank < Recent::kMost && offset_rank <= value_rank + 1) return kSameOffset;
+  if (value_rank < Recent::kMost) return kSameValue;
+  const auto width = static_cast<uint32_t>(std::bit_width(told_of_offset(offset, site.shift)));
+  return width < kLeastWidth || width >= kLeastWidth + kToldInFull - kTold ? kToldInFull : kTold + width - kLeastWidth;
+}
+
+/// How far off a component is that no slot holds.
+template <class Side>
+[[gnu::always_inline]] inline uint32_t PlaceTeller<Side>::tell_offset(AxisModels& models, const Site& site,
+                                                                      uint32_t kind, uint32_t expected,
+                                                                      uint32_t wanted) {
+  uint32_t offset = wanted - expected;
+  if (kind == kSameValue) {
+    const uint32_t rank = side_.tell(models.value_rank, models.values.rank_of(wanted) % Recent::kMost);
+    models.values.use(rank);
+    return models.values.at(0) - expected;
+  }
+  if (kind == kSameOffset) {
+    const uint32_t rank = side_.tell(models.offset_rank, models.offsets.rank_of(size_of(offset)) % Recent::kMost);
+    models.offsets.use(rank);
+    const uint32_t size = models.offsets.at(0);
+    offset = side_.tell(models.sign, offset == size ? 0 : 1) == 0 ? size : 0 - size;
+    const uint32_t value_rank = models.values.rank_of(expected + offset);
+    value_rank < Recent::kMost ? models.values.use(value_rank) : models.values.add(expected + offset);
+    return offset;
+  }
+  const uint32_t number = told_of_offset(offset, site.shift);
+  offset = offset_of_told(kind == kToldInFull ? tell_number(side_, models.width, number)
+                                              : tell_low_bits(side_, kind - kTold + kLeastWidth, number),
+                          site.shift);
+  models.offsets.add(size_of(offset));
+  models.values.add(expected + offset);
+  return offset;
+}
+
+template <class Side>
+void PlaceTeller<Side>::tell(const PlaceKin& kin, const Place& wanted) {
+  const Site site = site_of(kin, wanted);
+  size_t order = 0;
+  const uint32_t twin = find_twin(site, order);
+  Trace trace;
+  uint32_t same = 0;
+  if (twin != kNone) {
+    trace = traces_[twin];
+    if constexpr (Side::kPuts)
+      for (size_t i = 0; i < 3; ++i) {
+        const uint32_t slot = slot_of(site, i, wanted.at[i]) % kSlots, offset = wanted.at[i] - site.values[slot][i];
+        same |= slot == trace.slots[i] && offset == trace.offsets[i] ? 1U << i : 0U;
+      }
+    same = side_.tell(same_models_[order][same_before_], same) & 7U;
+  }
+  same_before_ = same;
+  Place place;
+  place.at[3] = site.is_fine;
+  uint32_t context = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    uint32_t kind = trace.slots[i];
+    if ((same >> i & 1U) == 0) {
+      AxisModels& models = axes_[site.is_fine][i];
+      if constexpr (Side::kPuts) kind = kind_of(models, site, i, wanted.at[i]);
+      kind = side_.tell(models.kinds[site.family][context], kind);
+      trace.slots[i] = static_cast<uint8_t>(kind < kSlots ? kind : 0);
+      trace.offsets[i] = kind < kSlots ? 0 : tell_offset(models, site, kind, site.values[0][i], wanted.at[i]);
+    }
+    place.at[i] = site.values[trace.slots[i]][i] + trace.offsets[i];
+    if ((same >> i & 1U) != 0 && trace.offsets[i] != 0) kind = kSameOffset;
+    context =
+        i == 0 ? 1 + std::min(kind, kSameOffset) : 1 + kKinds + (context - 1) * kKinds + std::min(kind, kSameOffset);
+  }
+  places_.push_back(place);
+  remember(trace);
+}
+
+}  // namespace promenade

@@ -1,0 +1,365 @@
+#pragma once
+// Which triangle lies beyond which edge of one that is known, in places; and which of the vertices there are its
+// corners. FORMAT.md says how. Source of growing across edges: J. Rossignac, Edgebreaker: Connectivity Compression for
+// Triangle Meshes, 1999; here without its topology's demands, for any triangles in any number of parts.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "codec/grown_border.h"
+#include "codec/grown_kin.h"
+#include "codec/grown_source.h"
+#include "codec/told_number.h"
+
+namespace promenade {
+
+/// The triangles of a mesh, grown on both sides alike.
+template <class Side>
+class TriangleGrower {
+ public:
+  /// most_vertices: more are refused. source: a PutSide's, else null.
+  TriangleGrower(Side& side, size_t most_vertices, size_t triangles, GrownSource* source)
+      : side_(side), source_(source), most_vertices_(most_vertices) {
+    indices_.reserve(3 * triangles);
+  }
+  /// All triangles of a run. False: what is told cannot be.
+  bool grow_run(size_t triangles);
+
+  std::vector<uint32_t> take_indices() { return std::move(indices_); }
+  /// By vertex.
+  const std::vector<uint32_t>& place_of() const { return place_of_; }
+  const std::vector<VertexKin>& vertex_kin() const { return vertex_kin_; }
+  /// By place.
+  const std::vector<PlaceKin>& place_kin() const { return place_kin_; }
+
+ private:
+  static constexpr uint32_t kNone = GrownBorder::kNone;
+  using Corners = std::array<uint32_t, 3>;
+
+  // What lies beyond an edge: nothing; a triangle with a new corner; with one that closes a gap to the edge from its
+  // end, to its begin; with any other that is known.
+  static constexpr uint32_t kNothing = 0, kNew = 1, kAhead = 2, kBehind = 3, kOther = 4, kWays = 5;
+  // Added to a way but the first: some corner is another vertex than it is likely to be.
+  static constexpr uint32_t kOtherCorners = 4;
+
+  /// What is known around an edge.
+  struct Gap {
+    uint32_t ahead = kNone, behind = kNone;  ///< the vertices where the edges linked to it end; kNone: none
+    uint32_t kind = 0;                       ///< which of them there are: 1 and 2; 4: both, in one place
+  };
+  static constexpr uint32_t kBothGap = 4, kGaps = 5;
+  /// What lies beyond an edge; a PutSide's alone.
+  struct Wish {
+    uint32_t way = kNothing;
+    uint32_t third = kNone;  ///< place
+    uint32_t others = 0;     ///< which of the known corners are not the likely vertices
+    Corners sources{};
+  };
+
+  uint32_t add_place(const PlaceKin& kin, uint32_t source_vertex);
+  uint32_t add_vertex(uint32_t place, const Guess& guess, uint32_t twin, uint32_t source_vertex);
+  static Guess one_guess(uint32_t vertex) { return {vertex, 0, 0, uint8_t(vertex == kNone ? 0 : 1)}; }
+  uint32_t tell_vertex(uint32_t likely, uint32_t& like, uint32_t source_vertex);
+  uint32_t tell_far_vertex(uint32_t place, uint32_t wanted);
+  uint32_t rank_there(uint32_t likely, uint32_t wanted) const;
+  uint32_t ranked_there(uint32_t likely, uint32_t rank) const;
+  bool tell_begin(size_t corner, uint32_t source_vertex, uint32_t& like, Corners& v);
+  bool begin_part();
+  Gap gap_of(const OpenEdge& edge) const;
+  uint32_t likely_third(const Gap& gap, uint32_t way, uint32_t place) const;
+  Wish wish_beyond(const OpenEdge& edge, const Gap& gap);
+  bool tell_third(const OpenEdge& edge, const Gap& gap, uint32_t wanted, uint32_t& place);
+  bool tell_corners(const Wish& wish, size_t known, Corners& v, uint32_t& like);
+  uint32_t add_edge(const Corners& v, size_t first);
+  void close_gap(const OpenEdge& edge, const Gap& gap, uint32_t way, const Corners& v);
+  void split(const OpenEdge& edge, const Corners& v);
+  bool grow_beyond(const OpenEdge& edge);
+
+  Side& side_;
+  GrownSource* source_;
+  size_t most_vertices_;
+  std::vector<uint32_t> indices_;
+  std::vector<uint32_t> place_of_, before_there_;      ///< by vertex: its place, another one there
+  std::vector<VertexKin> vertex_kin_;                  ///< by vertex
+  std::vector<uint32_t> latest_vertex_, latest_edge_;  ///< by place: an edge from there, while it is open
+  std::vector<PlaceKin> place_kin_;                    ///< by place
+  GrownBorder border_;
+  uint32_t ways_before_ = 0;  ///< the last two
+  uint32_t had_others_ = 0;   ///< whether some corner of the last triangle was not the likely vertex
+  std::array<NibbleModel, 2 * kGaps * kWays * kWays> way_models_;
+  std::array<NibbleModel, 2> corner_models_;  ///< of two known corners, of three
+  std::array<BitModel, 3> begin_models_;
+  std::array<BitModel, 3> begin_corner_models_;
+  NibbleModel rank_model_;
+  std::array<NibbleModel, 3> back_models_;  ///< places of a part's first corners, of third corners, vertices
+};
+
+template <class Side>
+bool TriangleGrower<Side>::grow_run(size_t triangles) {
+  border_.clear();
+  ways_before_ = had_others_ = 0;
+  const size_t end = indices_.size() + 3 * triangles;
+  while (indices_.size() < end) {
+    OpenEdge edge;
+    if (!(border_.take(edge) ? grow_beyond(edge) : begin_part())) return false;
+    if (side_.is_broken()) return false;
+  }
+  return true;
+}
+
+template <class Side>
+uint32_t TriangleGrower<Side>::add_place(const PlaceKin& kin, uint32_t source_vertex) {
+  const auto place = static_cast<uint32_t>(place_kin_.size());
+  place_kin_.push_back(kin);
+  latest_vertex_.push_back(kNone);
+  latest_edge_.push_back(kNone);
+  if constexpr (Side::kPuts) source_->grow_place(source_vertex);
+  return place;
+}
+
+/// kNone: there are too many.
+template <class Side>
+uint32_t TriangleGrower<Side>::add_vertex(uint32_t place, const Guess& guess, uint32_t twin, uint32_t source_vertex) {
+  const auto vertex = static_cast<uint32_t>(place_of_.size());
+  if (vertex >= most_vertices_) return kNone;
+  place_of_.push_back(place);
+  before_there_.push_back(latest_vertex_[place]);
+  latest_vertex_[place] = vertex;
+  vertex_kin_.push_back({guess, twin});
+  if constexpr (Side::kPuts) source_->grow_vertex(source_vertex);
+  return vertex;
+}
+
+/// Another vertex than `likely` in its place: one that is known, or a new one, which looks like `like`. kNone: broken.
+template <class Side>
+uint32_t TriangleGrower<Side>::tell_vertex(uint32_t likely, uint32_t& like, uint32_t source_vertex) {
+  constexpr uint32_t kFar = NibbleModel::kSymbols - 1;
+  const uint32_t place = place_of_[likely];
+  uint32_t wanted = kNone, told = 0;
+  if constexpr (Side::kPuts) wanted = source_->grown_vertex(source_vertex);
+  if (latest_vertex_[place] != likely || before_there_[likely] != kNone) {
+    if (wanted != kNone) told = std::min(rank_there(likely, wanted), kFar);
+    told = side_.tell(rank_model_, told);
+  }
+  if (told == kFar) return tell_far_vertex(place, wanted);
+  if (told > 0) return ranked_there(likely, told);
+  like = add_vertex(place, one_guess(like != kNone ? like : likely), likely, source_vertex);
+  return like;
+}
+
+/// One of many in a place.
+template <class Side>
+uint32_t TriangleGrower<Side>::tell_far_vertex(uint32_t place, uint32_t wanted) {
+  const auto count = static_cast<uint32_t>(place_of_.size());
+  const uint32_t back = tell_number(side_, back_models_[2], count - 1 - wanted);
+  return back < count && place_of_[count - 1 - back] == place ? count - 1 - back : kNone;
+}
+
+/// The latest vertex in the place has rank 1, and so on, but for `likely`, which has none. At most kSymbols.
+template <class Side>
+uint32_t TriangleGrower<Side>::rank_there(uint32_t likely, uint32_t wanted) const {
+  uint32_t rank = 0;
+  for (uint32_t v = latest_vertex_[place_of_[likely]]; v != kNone && rank < NibbleModel::kSymbols;
+       v = before_there_[v]) {
+    rank += v != likely ? 1 : 0;
+    if (v == wanted) break;
+  }
+  return rank;
+}
+
+template <class Side>
+uint32_t TriangleGrower<Side>::ranked_there(uint32_t likely, uint32_t rank) const {
+  for (uint32_t v = latest_vertex_[place_of_[likely]]; v != kNone; v = before_there_[v])
+    if (v != likely && --rank == 0) return v;
+  return kNone;
+}
+
+/// One corner of a triangle that lies beyond no edge.
+template <class Side>
+bool TriangleGrower<Side>::tell_begin(size_t corner, uint32_t source_vertex, uint32_t& like, Corners& v) {
+  const auto count = static_cast<uint32_t>(place_kin_.size());
+  uint32_t wanted = kNone;
+  if constexpr (Side::kPuts) wanted = source_->grown_place(source_vertex);
+  if (side_.tell(begin_models_[corner], wanted == kNone ? 1 : 0) != 0) {
+    const PlaceKin kin = corner == 0 ? kin_of_nothing(count) : kin_of_one(count, place_of_[v[corner - 1]]);
+    v[corner] = like = add_vertex(add_place(kin, source_vertex), one_guess(like), kNone, source_vertex);
+    return like != kNone;
+  }
+  const uint32_t back = tell_number(side_, back_models_[0], count - 1 - wanted);
+  if (back >= count) return false;
+  const uint32_t place = count - 1 - back;
+  for (size_t i = 0; i < corner; ++i)
+    if (place_of_[v[i]] == place) return false;
+  v[corner] = latest_vertex_[place];
+  bool is_other = false;
+  if constexpr (Side::kPuts) is_other = source_->grown_vertex(source_vertex) != v[corner];
+  if (side_.tell(begin_corner_models_[corner], is_other ? 1 : 0) != 0)
+    v[corner] = tell_vertex(v[corner], like, source_vertex);
+  return v[corner] != kNone;
+}
+
+/// A triangle that lies beyond no edge.
+template <class Side>
+bool TriangleGrower<Side>::begin_part() {
+  Corners wanted{}, v{};
+  if constexpr (Side::kPuts) wanted = source_->next_triangle();
+  uint32_t like = place_of_.empty() ? kNone : static_cast<uint32_t>(place_of_.size()) - 1;
+  for (size_t i = 0; i < 3; ++i)
+    if (!tell_begin(i, wanted[i], like, v)) return false;
+  indices_.insert(indices_.end(), v.begin(), v.end());
+  const uint32_t first = add_edge(v, 0), second = add_edge(v, 1), third = add_edge(v, 2);
+  border_.link(first, second), border_.link(second, third), border_.link(third, first);
+  return true;
+}
+
+template <class Side>
+typename TriangleGrower<Side>::Gap TriangleGrower<Side>::gap_of(const OpenEdge& edge) const {
+  Gap gap;
+  uint32_t ahead_place = kNone, behind_place = kNone - 1;  // no places, and not the same
+  if (edge.next != kNone) {
+    const uint32_t vertex = border_[edge.next].to;
+    if (place_of_[vertex] != place_of_[edge.from]) gap.ahead = vertex, ahead_place = place_of_[vertex], gap.kind = 1;
+  }
+  if (edge.before != kNone) {
+    const uint32_t vertex = border_[edge.before].from;
+    if (place_of_[vertex] != place_of_[edge.to]) gap.behind = vertex, behind_place = place_of_[vertex], gap.kind += 2;
+  }
+  if (ahead_place == behind_place) gap.kind = kBothGap;
+  return gap;
+}
+
+/// The vertex that a known third corner is likely to be. place: of kOther.
+template <class Side>
+uint32_t TriangleGrower<Side>::likely_third(const Gap& gap, uint32_t way, uint32_t place) const {
+  return way == kAhead ? gap.ahead : way == kBehind ? gap.behind : way == kOther ? latest_vertex_[place] : kNone;
+}
+
+/// What a PutSide tells of an edge.
+template <class Side>
+typename TriangleGrower<Side>::Wish TriangleGrower<Side>::wish_beyond(const OpenEdge& edge, const Gap& gap) {
+  Wish wish;
+  if (!source_->beyond(edge.from, edge.to, wish.sources)) return wish;
+  wish.third = source_->grown_place(wish.sources[2]);
+  wish.way = wish.third == kNone ? kNew : kOther;
+  if (gap.behind != kNone && wish.third == place_of_[gap.behind]) wish.way = kBehind;
+  if (gap.ahead != kNone && wish.third == place_of_[gap.ahead]) wish.way = kAhead;
+  const Corners likely{edge.to, edge.from, likely_third(gap, wish.way, wish.third)};
+  for (size_t i = 0; i < (wish.way == kNew ? 2U : 3U); ++i)
+    wish.others |= source_->grown_vertex(wish.sources[i]) != likely[i] ? 1U << i : 0U;
+  return wish;
+}
+
+/// The place of a third corner that is known but not linked to the edge.
+template <class Side>
+bool TriangleGrower<Side>::tell_third(const OpenEdge& edge, const Gap& gap, uint32_t wanted, uint32_t& place) {
+  const auto count = static_cast<uint32_t>(place_kin_.size());
+  const uint32_t back = tell_number(side_, back_models_[1], count - 1 - wanted);
+  if (back >= count) return false;
+  place = count - 1 - back;
+  // Those would be linked to it, or collapse it.
+  return place != place_of_[edge.from] && place != place_of_[edge.to] &&
+         (gap.ahead == kNone || place != place_of_[gap.ahead]) &&
+         (gap.behind == kNone || place != place_of_[gap.behind]);
+}
+
+/// Which of the first `known` corners are other vertices than the likely ones in v, and which.
+template <class Side>
+bool TriangleGrower<Side>::tell_corners(const Wish& wish, size_t known, Corners& v, uint32_t& like) {
+  const uint32_t others = side_.tell(corner_models_[known - 2], wish.others);
+  for (size_t i = 0; i < known; ++i)
+    if ((others >> i & 1U) != 0 && (v[i] = tell_vertex(v[i], like, wish.sources[i])) == kNone) return false;
+  return true;
+}
+
+/// The triangle's edge that begins at its corner `first`.
+template <class Side>
+uint32_t TriangleGrower<Side>::add_edge(const Corners& v, size_t first) {
+  const uint32_t edge = border_.add(v[first], v[(first + 1) % 3], v[(first + 2) % 3]);
+  latest_edge_[place_of_[v[first]]] = edge;
+  return edge;
+}
+
+/// The border around a triangle beyond the edge, unless its third corner is not linked to that.
+template <class Side>
+void TriangleGrower<Side>::close_gap(const OpenEdge& edge, const Gap& gap, uint32_t way, const Corners& v) {
+  if (way == kNew) {
+    const uint32_t ahead = add_edge(v, 2), behind = add_edge(v, 1);
+    border_.link(edge.before, behind), border_.link(behind, ahead), border_.link(ahead, edge.next);
+    return;
+  }
+  const bool closes_ahead = way == kAhead || gap.kind == kBothGap,
+             closes_behind = way == kBehind || gap.kind == kBothGap;
+  const uint32_t next = closes_ahead ? border_[edge.next].next : edge.next,
+                 before = closes_behind ? border_[edge.before].before : edge.before;
+  if (closes_ahead) border_.close(edge.next);
+  if (closes_behind) border_.close(edge.before);
+  if (closes_ahead && closes_behind) {
+    border_.link(before, next);
+    return;
+  }
+  const uint32_t added = add_edge(v, closes_ahead ? 1 : 2);
+  border_.link(before, added), border_.link(added, next);
+}
+
+/// The border around a triangle whose third corner lies elsewhere on it: it falls into two.
+template <class Side>
+void TriangleGrower<Side>::split(const OpenEdge& edge, const Corners& v) {
+  const uint32_t third = place_of_[v[2]];
+  uint32_t from_there = latest_edge_[third];
+  if (from_there >= border_.size() || !border_[from_there].is_open || place_of_[border_[from_there].from] != third)
+    from_there = kNone;
+  const uint32_t to_there = from_there != kNone ? border_[from_there].before : kNone;
+  // The triangle's own edges may close those.
+  if (to_there != kNone && place_of_[border_[to_there].from] == place_of_[v[0]]) {
+    border_.link(border_[to_there].before, edge.next);
+    border_.close(to_there);
+  } else {
+    const uint32_t ahead = add_edge(v, 2);
+    border_.link(to_there, ahead), border_.link(ahead, edge.next);
+  }
+  if (from_there != kNone && place_of_[border_[from_there].to] == place_of_[v[1]]) {
+    border_.link(edge.before, border_[from_there].next);
+    border_.close(from_there);
+  } else {
+    const uint32_t behind = add_edge(v, 1);
+    border_.link(edge.before, behind), border_.link(behind, from_there);
+  }
+}
+
+template <class Side>
+bool TriangleGrower<Side>::grow_beyond(const OpenEdge& edge) {
+  const Gap gap = gap_of(edge);
+  Wish wish;
+  if constexpr (Side::kPuts) wish = wish_beyond(edge, gap);
+  NibbleModel& model = way_models_[(had_others_ * kGaps + gap.kind) * kWays * kWays + ways_before_];
+  const uint32_t told = side_.tell(model, wish.others == 0 ? wish.way : wish.way + kOtherCorners);
+  const uint32_t way = told < kWays ? told : told - kOtherCorners;
+  if (way >= kWays || (way == kAhead && gap.ahead == kNone) || (way == kBehind && gap.behind == kNone)) return false;
+  ways_before_ = ways_before_ % kWays * kWays + way;
+  had_others_ = told < kWays ? 0 : 1;
+  if (way == kNothing) {
+    border_.link(edge.before, kNone), border_.link(kNone, edge.next);
+    return true;
+  }
+  uint32_t place = kNone;
+  if (way == kOther && !tell_third(edge, gap, wish.third, place)) return false;
+  Corners v{edge.to, edge.from, likely_third(gap, way, place)};
+  uint32_t like = kNone;
+  if (had_others_ != 0 && !tell_corners(wish, way == kNew ? 2 : 3, v, like)) return false;
+  if (way == kNew) {
+    place = add_place(kin_of_three(place_of_[edge.from], place_of_[edge.to], place_of_[edge.across]), wish.sources[2]);
+    const Guess guess = like != kNone ? one_guess(like) : Guess{v[1], v[0], edge.across, 3};
+    if ((v[2] = add_vertex(place, guess, kNone, wish.sources[2])) == kNone) return false;
+  }
+  indices_.insert(indices_.end(), v.begin(), v.end());
+  if (way == kOther)
+    split(edge, v);
+  else
+    close_gap(edge, gap, way, v);
+  return true;
+}
+
+}  // namespace promenade
