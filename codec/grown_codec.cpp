@@ -19,6 +19,15 @@ std::vector<T> in_order(const std::vector<T>& values, const std::vector<uint32_t
   return out;
 }
 
+/// Where the grown places are.
+std::vector<Place> places_of(const QuantizedMesh& mesh, const GrownSource& source) {
+  std::vector<Place> places;
+  places.reserve(source.place_sources().size());
+  for (const uint32_t v : source.place_sources())
+    places.push_back({{mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z, 0}});
+  return places;
+}
+
 /// The vertices' positions, by those of their places.
 void spread(const std::vector<Place>& places, const std::vector<uint32_t>& place_of, QuantizedMesh& mesh) {
   mesh.positions.resize(place_of.size());
@@ -41,10 +50,7 @@ GrownMesh encode_grown(const QuantizedMesh& mesh) {
     first += run.triangles;
   }
   PlaceTeller<PutSide> places(side, mesh.on_grid, mesh.fine_bits, grower.place_kin().size());
-  for (size_t i = 0; i < grower.place_kin().size(); ++i) {
-    const glm::u32vec3& p = mesh.positions[source.place_sources()[i]];
-    places.tell(grower.place_kin()[i], {{p.x, p.y, p.z, 0}});
-  }
+  places.tell_all(grower.place_kin(), places_of(mesh, source));
   QuantizedMesh grown;
   grown.on_grid = mesh.on_grid;
   spread(places.places(), grower.place_of(), grown);
@@ -67,7 +73,7 @@ Status decode_grown(std::span<const std::byte> bytes, size_t vertices, size_t tr
   if (grower.place_of().size() != vertices)
     return Error{fmt::format("mesh: decodes to {} vertices, its header has {}", grower.place_of().size(), vertices)};
   PlaceTeller<GetSide> places(side, mesh.on_grid, mesh.fine_bits, grower.place_kin().size());
-  for (const PlaceKin& kin : grower.place_kin()) places.tell(kin, {});
+  places.tell_all(grower.place_kin(), {});
   mesh.indices = grower.take_indices();
   spread(places.places(), grower.place_of(), mesh);
   const std::vector<VertexKin>& kin = grower.vertex_kin();

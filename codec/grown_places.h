@@ -36,8 +36,8 @@ class PlaceTeller {
     places_.resize(kFirstPlace);
     traces_.reserve(most);
   }
-  /// The next place. wanted: a PutSide's.
-  void tell(const PlaceKin& kin, const Place& wanted);
+  /// All places. wanted: where they are; a PutSide's.
+  void tell_all(const std::vector<PlaceKin>& kin, const std::vector<Place>& wanted);
   /// With kFirstPlace more before the first.
   const std::vector<Place>& places() const { return places_; }
 
@@ -46,6 +46,7 @@ class PlaceTeller {
   static constexpr int kLeastTableBits = 6, kMostTableBits = 16;
   // Of a component: as one of four slots: expected, as one of three likely places; as far off as another was; as
   // another was; told, the number's width from kLeastWidth on among the kinds, or in full.
+  static constexpr uint32_t kAllSame = 7;
   static constexpr uint32_t kSlots = 4, kSameOffset = 4, kSameValue = 5, kTold = 6, kToldInFull = 15;
   static constexpr uint32_t kLeastWidth = 5;  // measured: nine widths from there are seven eighths of all
   // What a kind is told by: the kinds of the components before it, what is off by any means alike.
@@ -68,7 +69,8 @@ class PlaceTeller {
     Recent offsets, values;
   };
 
-  Site site_of(const PlaceKin& kin, const Place& wanted);
+  void tell(Side& side, const PlaceKin& kin, const Place& wanted);
+  Site site_of(Side& side, const PlaceKin& kin, const Place& wanted);
   uint32_t find_twin(const Site& site, size_t& order);
   static uint32_t size_of(uint32_t offset) { return std::min(offset, 0 - offset); }
   /// An offset is no 0, and a whole number of steps.
@@ -78,7 +80,10 @@ class PlaceTeller {
   static uint32_t offset_of_told(uint32_t told, uint32_t shift) { return unfolded(told + 1) << shift; }
   static uint32_t slot_of(const Site& site, size_t axis, uint32_t value);
   uint32_t kind_of(const AxisModels& models, const Site& site, size_t axis, uint32_t value) const;
-  uint32_t tell_offset(AxisModels& models, const Site& site, uint32_t kind, uint32_t expected, uint32_t wanted);
+  uint32_t tell_offset(Side& side, AxisModels& models, const Site& site, uint32_t kind, uint32_t expected,
+                       uint32_t wanted);
+  void tell_kinds(Side& side, const Site& site, uint32_t same, const Place& wanted, Trace& trace,
+                  std::array<uint32_t, 3>& kinds);
   void remember(const Trace& trace);
 
   Side& side_;
@@ -98,7 +103,8 @@ class PlaceTeller {
 };
 
 template <class Side>
-[[gnu::always_inline]] inline typename PlaceTeller<Side>::Site PlaceTeller<Side>::site_of(const PlaceKin& kin,
+[[gnu::always_inline]] inline typename PlaceTeller<Side>::Site PlaceTeller<Side>::site_of(Side& side,
+                                                                                          const PlaceKin& kin,
                                                                                           const Place& wanted) {
   const auto at = [this](uint32_t place) {
     return _mm_load_si128(reinterpret_cast<const __m128i*>(places_[place].at.data()));
@@ -110,7 +116,7 @@ template <class Side>
   if (fine_bits_ > 0) {
     const uint32_t beside = places_[kin.a].at[3] * 2U + places_[kin.b].at[3];
     const uint32_t fine = (wanted.at[0] | wanted.at[1] | wanted.at[2]) & ((1U << fine_bits_) - 1);
-    site.is_fine = side_.tell(fine_models_[site.family * 4 + beside], fine != 0 ? 1 : 0);
+    site.is_fine = side.tell(fine_models_[site.family * 4 + beside], fine != 0 ? 1 : 0);
     site.shift = site.is_fine != 0 ? 0 : fine_bits_;
     mask <<= site.shift;
   }
@@ -168,36 +174,55 @@ uint32_t PlaceTeller<Side>::kind_of(const AxisModels& models, const Site& site, 
 
 /// How far off a component is that no slot holds.
 template <class Side>
-[[gnu::always_inline]] inline uint32_t PlaceTeller<Side>::tell_offset(AxisModels& models, const Site& site,
+[[gnu::always_inline]] inline uint32_t PlaceTeller<Side>::tell_offset(Side& side, AxisModels& models, const Site& site,
                                                                       uint32_t kind, uint32_t expected,
                                                                       uint32_t wanted) {
   uint32_t offset = wanted - expected;
   if (kind == kSameValue) {
-    const uint32_t rank = side_.tell(models.value_rank, models.values.rank_of(wanted) % Recent::kMost);
+    const uint32_t rank = side.tell(models.value_rank, models.values.rank_of(wanted) % Recent::kMost);
     models.values.use(rank);
     return models.values.at(0) - expected;
   }
   if (kind == kSameOffset) {
-    const uint32_t rank = side_.tell(models.offset_rank, models.offsets.rank_of(size_of(offset)) % Recent::kMost);
+    const uint32_t rank = side.tell(models.offset_rank, models.offsets.rank_of(size_of(offset)) % Recent::kMost);
     models.offsets.use(rank);
     const uint32_t size = models.offsets.at(0);
-    offset = side_.tell(models.sign, offset == size ? 0 : 1) == 0 ? size : 0 - size;
+    offset = side.tell(models.sign, offset == size ? 0 : 1) == 0 ? size : 0 - size;
     const uint32_t value_rank = models.values.rank_of(expected + offset);
     value_rank < Recent::kMost ? models.values.use(value_rank) : models.values.add(expected + offset);
     return offset;
   }
   const uint32_t number = told_of_offset(offset, site.shift);
-  offset = offset_of_told(kind == kToldInFull ? tell_number(side_, models.width, number)
-                                              : tell_low_bits(side_, kind - kTold + kLeastWidth, number),
+  offset = offset_of_told(kind == kToldInFull ? tell_number(side, models.width, number)
+                                              : tell_low_bits(side, kind - kTold + kLeastWidth, number),
                           site.shift);
   models.offsets.add(size_of(offset));
   models.values.add(expected + offset);
   return offset;
 }
 
+/// Of the components that are not the same as a twin's.
 template <class Side>
-void PlaceTeller<Side>::tell(const PlaceKin& kin, const Place& wanted) {
-  const Site site = site_of(kin, wanted);
+[[gnu::always_inline]] inline void PlaceTeller<Side>::tell_kinds(Side& side, const Site& site, uint32_t same,
+                                                                 const Place& wanted, Trace& trace,
+                                                                 std::array<uint32_t, 3>& kinds) {
+  uint32_t context = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    uint32_t kind = trace.offsets[i] != 0 ? kSameOffset : trace.slots[i];
+    if ((same >> i & 1U) == 0) {
+      AxisModels& models = axes_[site.is_fine][i];
+      if constexpr (Side::kPuts) kind = kind_of(models, site, i, wanted.at[i]);
+      kinds[i] = kind = side.tell(models.kinds[site.family][context], kind);
+      trace.slots[i] = static_cast<uint8_t>(kind < kSlots ? kind : 0);
+      trace.offsets[i] = 0;
+    }
+    context = context * kKinds + 1 + std::min(kind, kSameOffset);
+  }
+}
+
+template <class Side>
+[[gnu::always_inline]] inline void PlaceTeller<Side>::tell(Side& side, const PlaceKin& kin, const Place& wanted) {
+  const Site site = site_of(side, kin, wanted);
   size_t order = 0;
   const uint32_t twin = find_twin(site, order);
   Trace trace;
@@ -209,28 +234,27 @@ void PlaceTeller<Side>::tell(const PlaceKin& kin, const Place& wanted) {
         const uint32_t slot = slot_of(site, i, wanted.at[i]) % kSlots, offset = wanted.at[i] - site.values[slot][i];
         same |= slot == trace.slots[i] && offset == trace.offsets[i] ? 1U << i : 0U;
       }
-    same = side_.tell(same_models_[order][same_before_], same) & 7U;
+    same = side.tell(same_models_[order][same_before_], same) & 7U;
   }
   same_before_ = same;
   Place place;
   place.at[3] = site.is_fine;
-  uint32_t context = 0;
+  std::array<uint32_t, 3> kinds{};
+  if (same != kAllSame) tell_kinds(side, site, same, wanted, trace, kinds);
   for (size_t i = 0; i < 3; ++i) {
-    uint32_t kind = trace.slots[i];
-    if ((same >> i & 1U) == 0) {
-      AxisModels& models = axes_[site.is_fine][i];
-      if constexpr (Side::kPuts) kind = kind_of(models, site, i, wanted.at[i]);
-      kind = side_.tell(models.kinds[site.family][context], kind);
-      trace.slots[i] = static_cast<uint8_t>(kind < kSlots ? kind : 0);
-      trace.offsets[i] = kind < kSlots ? 0 : tell_offset(models, site, kind, site.values[0][i], wanted.at[i]);
-    }
+    if (kinds[i] >= kSlots)
+      trace.offsets[i] = tell_offset(side, axes_[site.is_fine][i], site, kinds[i], site.values[0][i], wanted.at[i]);
     place.at[i] = site.values[trace.slots[i]][i] + trace.offsets[i];
-    if ((same >> i & 1U) != 0 && trace.offsets[i] != 0) kind = kSameOffset;
-    context =
-        i == 0 ? 1 + std::min(kind, kSameOffset) : 1 + kKinds + (context - 1) * kKinds + std::min(kind, kSameOffset);
   }
   places_.push_back(place);
   remember(trace);
+}
+
+template <class Side>
+void PlaceTeller<Side>::tell_all(const std::vector<PlaceKin>& kin, const std::vector<Place>& wanted) {
+  AtHand<Side> hand(side_);
+  for (size_t i = 0; i < kin.size(); ++i) tell(hand.get(), kin[i], Side::kPuts ? wanted[i] : Place());
+  hand.lay_back();
 }
 
 }  // namespace promenade

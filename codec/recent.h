@@ -27,9 +27,19 @@ class Recent {
   }
   /// rank: below kMost.
   uint32_t at(uint32_t rank) const { return numbers_[rank]; }
+  /// Without a branch: ranks are hard to foretell.
   [[gnu::always_inline]] void use(uint32_t rank) {
     const uint32_t number = numbers_[rank];
-    for (; rank > 0; --rank) numbers_[rank] = numbers_[rank - 1];
+    auto* to = reinterpret_cast<__m128i*>(numbers_.data());
+    const __m128i last = _mm_set1_epi32(static_cast<int>(rank) + 1);
+    for (size_t i = kMost / 4; i-- > 0;) {  // from the last, as each takes one from the four before
+      const auto first = static_cast<int>(4 * i);
+      const __m128i moves = _mm_cmplt_epi32(_mm_setr_epi32(first, first + 1, first + 2, first + 3), last);
+      const __m128i now = _mm_load_si128(to + i);
+      const __m128i before = i > 0 ? _mm_loadu_si128(reinterpret_cast<const __m128i*>(numbers_.data() + 4 * i - 1))
+                                   : _mm_slli_si128(now, 4);
+      _mm_store_si128(to + i, _mm_or_si128(_mm_and_si128(moves, before), _mm_andnot_si128(moves, now)));
+    }
     numbers_[0] = number;
   }
   /// One that is not there; the last one leaves.

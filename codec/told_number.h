@@ -58,7 +58,7 @@ class GetSide {
   [[gnu::always_inline]] uint32_t tell(Model& model, uint32_t /*symbol*/) {
     return choices_.get(model);
   }
-  uint32_t tell_bits(unsigned count, uint32_t /*value*/) { return bits_.get(count); }
+  [[gnu::always_inline]] uint32_t tell_bits(unsigned count, uint32_t /*value*/) { return bits_.get(count); }
   /// Whether there were too few bytes.
   bool is_broken() const { return choices_.overrun() || bits_.overrun(); }
   bool at_end() const { return choices_.at_end() && bits_.at_padding(); }
@@ -79,6 +79,32 @@ class GetSide {
 
   RansDecoder choices_;
   BitReader bits_;
+};
+
+/// A side at hand for a loop: a GetSide's numbers stay in registers meanwhile, as long as its address goes nowhere.
+template <class Side>
+class AtHand {
+ public:
+  explicit AtHand(Side& side) : side_(side) {}
+  Side& get() { return side_; }
+  void lay_back() {}
+  void take_up() {}
+
+ private:
+  Side& side_;
+};
+template <>
+class AtHand<GetSide> {
+ public:
+  explicit AtHand(GetSide& side) : from_(side), side_(side) {}
+  [[gnu::always_inline]] GetSide& get() { return side_; }
+  /// Before and after the side itself is used by others.
+  void lay_back() { from_ = side_; }
+  void take_up() { side_ = from_; }
+
+ private:
+  GetSide& from_;
+  GetSide side_;
 };
 
 /// One of many, all as likely. count: at least 1.
@@ -102,7 +128,7 @@ template <class Side>
 
 /// A number of up to 32 bits: how many it takes, by the model; those below the highest as they are.
 template <class Side>
-uint32_t tell_number(Side& side, NibbleModel& model, uint32_t value) {
+[[gnu::always_inline]] inline uint32_t tell_number(Side& side, NibbleModel& model, uint32_t value) {
   constexpr uint32_t kMore = NibbleModel::kSymbols - 1;
   constexpr unsigned kMoreBits = 5;
   const auto wanted = static_cast<uint32_t>(std::bit_width(value));
