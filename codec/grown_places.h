@@ -121,7 +121,8 @@ template <class Side>
     mask <<= site.shift;
   }
   const __m128i masks = _mm_set1_epi32(static_cast<int>(mask));
-  const __m128i expected = site.family == 2 ? _mm_sub_epi32(_mm_add_epi32(a, b), c) : a;
+  const __m128i continues = _mm_cmpeq_epi32(_mm_set1_epi32(static_cast<int>(site.family)), _mm_set1_epi32(2));
+  const __m128i expected = _mm_add_epi32(a, _mm_and_si128(continues, _mm_sub_epi32(b, c)));
   const auto keep = [&](size_t slot, __m128i values) {
     _mm_store_si128(reinterpret_cast<__m128i*>(site.values[slot].data()), _mm_and_si128(values, masks));
   };
@@ -207,8 +208,9 @@ template <class Side>
                                                                  const Place& wanted, Trace& trace,
                                                                  std::array<uint32_t, 3>& kinds) {
   uint32_t context = 0;
+#pragma GCC unroll 3
   for (size_t i = 0; i < 3; ++i) {
-    uint32_t kind = trace.offsets[i] != 0 ? kSameOffset : trace.slots[i];
+    uint32_t kind = trace.slots[i] | (trace.offsets[i] != 0 ? kSameOffset : 0U);
     if ((same >> i & 1U) == 0) {
       AxisModels& models = axes_[site.is_fine][i];
       if constexpr (Side::kPuts) kind = kind_of(models, site, i, wanted.at[i]);
@@ -241,6 +243,7 @@ template <class Side>
   place.at[3] = site.is_fine;
   std::array<uint32_t, 3> kinds{};
   if (same != kAllSame) tell_kinds(side, site, same, wanted, trace, kinds);
+#pragma GCC unroll 3
   for (size_t i = 0; i < 3; ++i) {
     if (kinds[i] >= kSlots)
       trace.offsets[i] = tell_offset(side, axes_[site.is_fine][i], site, kinds[i], site.values[0][i], wanted.at[i]);

@@ -36,7 +36,8 @@ class TriangleGrower {
   const std::vector<PlaceKin>& place_kin() const { return place_kin_; }
 
  private:
-  static constexpr uint32_t kNone = GrownBorder::kNone;
+  static constexpr uint32_t kNone = 0xffffffffU;
+  static constexpr uint32_t kNoEdge = GrownBorder::kNoEdge;
   using Corners = std::array<uint32_t, 3>;
 
   // What lies beyond an edge: nothing; a triangle with a new corner; with one that closes a gap to the edge from its
@@ -45,12 +46,15 @@ class TriangleGrower {
   // Added to a way but the first: some corner is another vertex than it is likely to be.
   static constexpr uint32_t kOtherCorners = 4;
 
-  /// What is known around an edge.
+  /// What is known around an edge: where those linked to it end, and which of these are there: 1 the next one's end, 2
+  /// the begin of the one before; 4: both, in one place.
   struct Gap {
-    uint32_t ahead = kNone, behind = kNone;  ///< the vertices where the edges linked to it end; kNone: none
-    uint32_t kind = 0;                       ///< which of them there are: 1 and 2; 4: both, in one place
+    uint32_t ahead = 0, behind = 0;  ///< places
+    uint32_t kind = 0;
   };
-  static constexpr uint32_t kBothGap = 4, kGaps = 5;
+  static constexpr uint32_t kAheadGap = 1, kBehindGap = 2, kBothGap = 4, kGaps = 5;
+  /// Which ways there are, by the gap's kind: a bit for each.
+  static constexpr std::array<uint32_t, kGaps> kPossible = {0b10011, 0b10111, 0b11011, 0b11111, 0b11111};
   /// What lies beyond an edge; a PutSide's alone.
   struct Wish {
     uint32_t way = kNothing;
@@ -69,13 +73,14 @@ class TriangleGrower {
   bool tell_begin(size_t corner, uint32_t source_vertex, uint32_t& like, Corners& v);
   bool begin_part();
   Gap gap_of(const OpenEdge& edge) const;
-  uint32_t likely_third(const Gap& gap, uint32_t way, uint32_t place) const;
+  uint32_t likely_third(const OpenEdge& edge, uint32_t way, uint32_t place) const;
   Wish wish_beyond(const OpenEdge& edge, const Gap& gap);
   bool tell_third(const OpenEdge& edge, const Gap& gap, uint32_t wanted, uint32_t& place);
   bool tell_corners(const Wish& wish, size_t known, Corners& v, uint32_t& like);
-  uint32_t add_edge(const Corners& v, size_t first);
+  uint32_t add_edge(const Corners& v, size_t first, uint32_t from_place, uint32_t to_place);
+  void add_gap(const OpenEdge& edge, uint32_t place, const Corners& v);
   void close_gap(const OpenEdge& edge, const Gap& gap, uint32_t way, const Corners& v);
-  void split(const OpenEdge& edge, const Corners& v);
+  void split(const OpenEdge& edge, uint32_t place, const Corners& v);
   bool grow_beyond(const OpenEdge& edge);
 
   Side& side_;
@@ -210,31 +215,30 @@ bool TriangleGrower<Side>::begin_part() {
   for (size_t i = 0; i < 3; ++i)
     if (!tell_begin(i, wanted[i], like, v)) return false;
   indices_.insert(indices_.end(), v.begin(), v.end());
-  const uint32_t first = add_edge(v, 0), second = add_edge(v, 1), third = add_edge(v, 2);
+  const Corners at{place_of_[v[0]], place_of_[v[1]], place_of_[v[2]]};
+  const uint32_t first = add_edge(v, 0, at[0], at[1]), second = add_edge(v, 1, at[1], at[2]),
+                 third = add_edge(v, 2, at[2], at[0]);
   border_.link(first, second), border_.link(second, third), border_.link(third, first);
   return true;
 }
 
 template <class Side>
-typename TriangleGrower<Side>::Gap TriangleGrower<Side>::gap_of(const OpenEdge& edge) const {
+[[gnu::always_inline]] inline typename TriangleGrower<Side>::Gap TriangleGrower<Side>::gap_of(
+    const OpenEdge& edge) const {
   Gap gap;
-  uint32_t ahead_place = kNone, behind_place = kNone - 1;  // no places, and not the same
-  if (edge.next != kNone) {
-    const uint32_t vertex = border_[edge.next].to;
-    if (place_of_[vertex] != place_of_[edge.from]) gap.ahead = vertex, ahead_place = place_of_[vertex], gap.kind = 1;
-  }
-  if (edge.before != kNone) {
-    const uint32_t vertex = border_[edge.before].from;
-    if (place_of_[vertex] != place_of_[edge.to]) gap.behind = vertex, behind_place = place_of_[vertex], gap.kind += 2;
-  }
-  if (ahead_place == behind_place) gap.kind = kBothGap;
+  gap.ahead = border_[edge.next].to_place, gap.behind = border_[edge.before].from_place;
+  const bool ahead = gap.ahead != GrownBorder::kNoEnd && gap.ahead != edge.from_place,
+             behind = gap.behind != GrownBorder::kNoBegin && gap.behind != edge.to_place;
+  gap.kind = (ahead ? kAheadGap : 0U) + (behind ? kBehindGap : 0U);
+  if (ahead && gap.ahead == gap.behind) gap.kind = kBothGap;
   return gap;
 }
 
 /// The vertex that a known third corner is likely to be. place: of kOther.
 template <class Side>
-uint32_t TriangleGrower<Side>::likely_third(const Gap& gap, uint32_t way, uint32_t place) const {
-  return way == kAhead ? gap.ahead : way == kBehind ? gap.behind : way == kOther ? latest_vertex_[place] : kNone;
+uint32_t TriangleGrower<Side>::likely_third(const OpenEdge& edge, uint32_t way, uint32_t place) const {
+  if (way == kOther) return latest_vertex_[place];
+  return way == kAhead ? border_[edge.next].to : border_[edge.before].from;
 }
 
 /// What a PutSide tells of an edge.
@@ -244,9 +248,9 @@ typename TriangleGrower<Side>::Wish TriangleGrower<Side>::wish_beyond(const Open
   if (!source_->beyond(edge.from, edge.to, wish.sources)) return wish;
   wish.third = source_->grown_place(wish.sources[2]);
   wish.way = wish.third == kNone ? kNew : kOther;
-  if (gap.behind != kNone && wish.third == place_of_[gap.behind]) wish.way = kBehind;
-  if (gap.ahead != kNone && wish.third == place_of_[gap.ahead]) wish.way = kAhead;
-  const Corners likely{edge.to, edge.from, likely_third(gap, wish.way, wish.third)};
+  if (wish.third == gap.behind) wish.way = kBehind;
+  if (wish.third == gap.ahead) wish.way = kAhead;
+  const Corners likely{edge.to, edge.from, wish.way == kNew ? kNone : likely_third(edge, wish.way, wish.third)};
   for (size_t i = 0; i < (wish.way == kNew ? 2U : 3U); ++i)
     wish.others |= source_->grown_vertex(wish.sources[i]) != likely[i] ? 1U << i : 0U;
   return wish;
@@ -260,9 +264,7 @@ bool TriangleGrower<Side>::tell_third(const OpenEdge& edge, const Gap& gap, uint
   if (back >= count) return false;
   place = count - 1 - back;
   // Those would be linked to it, or collapse it.
-  return place != place_of_[edge.from] && place != place_of_[edge.to] &&
-         (gap.ahead == kNone || place != place_of_[gap.ahead]) &&
-         (gap.behind == kNone || place != place_of_[gap.behind]);
+  return place != edge.from_place && place != edge.to_place && place != gap.ahead && place != gap.behind;
 }
 
 /// Which of the first `known` corners are other vertices than the likely ones in v, and which.
@@ -274,57 +276,63 @@ bool TriangleGrower<Side>::tell_corners(const Wish& wish, size_t known, Corners&
   return true;
 }
 
-/// The triangle's edge that begins at its corner `first`.
+/// The triangle's edge that begins at its corner `first`, linked to nothing.
 template <class Side>
-uint32_t TriangleGrower<Side>::add_edge(const Corners& v, size_t first) {
-  const uint32_t edge = border_.add(v[first], v[(first + 1) % 3], v[(first + 2) % 3]);
-  latest_edge_[place_of_[v[first]]] = edge;
+[[gnu::always_inline]] inline uint32_t TriangleGrower<Side>::add_edge(const Corners& v, size_t first,
+                                                                      uint32_t from_place, uint32_t to_place) {
+  const uint32_t edge =
+      border_.add({v[first], v[(first + 1) % 3], v[(first + 2) % 3], from_place, to_place, kNoEdge, kNoEdge, 1});
+  latest_edge_[from_place] = edge;
   return edge;
 }
 
-/// The border around a triangle beyond the edge, unless its third corner is not linked to that.
+/// The border around a triangle with a new corner.
 template <class Side>
-void TriangleGrower<Side>::close_gap(const OpenEdge& edge, const Gap& gap, uint32_t way, const Corners& v) {
-  if (way == kNew) {
-    const uint32_t ahead = add_edge(v, 2), behind = add_edge(v, 1);
-    border_.link(edge.before, behind), border_.link(behind, ahead), border_.link(ahead, edge.next);
+[[gnu::always_inline]] inline void TriangleGrower<Side>::add_gap(const OpenEdge& edge, uint32_t place,
+                                                                 const Corners& v) {
+  const uint32_t ahead = add_edge(v, 2, place, edge.to_place), behind = add_edge(v, 1, edge.from_place, place);
+  border_.link(edge.before, behind), border_.link(behind, ahead), border_.link(ahead, edge.next);
+}
+
+/// The border around a triangle that lies between edges linked to each other.
+template <class Side>
+[[gnu::always_inline]] inline void TriangleGrower<Side>::close_gap(const OpenEdge& edge, const Gap& gap, uint32_t way,
+                                                                   const Corners& v) {
+  if (gap.kind == kBothGap) {
+    border_.close(edge.next), border_.close(edge.before);
+    border_.link(border_[edge.before].before, border_[edge.next].next);
     return;
   }
-  const bool closes_ahead = way == kAhead || gap.kind == kBothGap,
-             closes_behind = way == kBehind || gap.kind == kBothGap;
-  const uint32_t next = closes_ahead ? border_[edge.next].next : edge.next,
-                 before = closes_behind ? border_[edge.before].before : edge.before;
-  if (closes_ahead) border_.close(edge.next);
-  if (closes_behind) border_.close(edge.before);
-  if (closes_ahead && closes_behind) {
-    border_.link(before, next);
-    return;
-  }
-  const uint32_t added = add_edge(v, closes_ahead ? 1 : 2);
+  const bool is_ahead = way == kAhead;
+  const uint32_t closed = is_ahead ? edge.next : edge.before;
+  const uint32_t next = is_ahead ? border_[closed].next : edge.next,
+                 before = is_ahead ? edge.before : border_[closed].before;
+  border_.close(closed);
+  const uint32_t added =
+      is_ahead ? add_edge(v, 1, edge.from_place, gap.ahead) : add_edge(v, 2, gap.behind, edge.to_place);
   border_.link(before, added), border_.link(added, next);
 }
 
 /// The border around a triangle whose third corner lies elsewhere on it: it falls into two.
 template <class Side>
-void TriangleGrower<Side>::split(const OpenEdge& edge, const Corners& v) {
-  const uint32_t third = place_of_[v[2]];
-  uint32_t from_there = latest_edge_[third];
-  if (from_there >= border_.size() || !border_[from_there].is_open || place_of_[border_[from_there].from] != third)
-    from_there = kNone;
-  const uint32_t to_there = from_there != kNone ? border_[from_there].before : kNone;
+void TriangleGrower<Side>::split(const OpenEdge& edge, uint32_t place, const Corners& v) {
+  uint32_t from_there = latest_edge_[place];
+  if (from_there >= border_.size() || border_[from_there].is_open == 0 || border_[from_there].from_place != place)
+    from_there = kNoEdge;
+  const uint32_t to_there = from_there != kNoEdge ? border_[from_there].before : kNoEdge;
   // The triangle's own edges may close those.
-  if (to_there != kNone && place_of_[border_[to_there].from] == place_of_[v[0]]) {
+  if (border_[to_there].from_place == edge.to_place) {
     border_.link(border_[to_there].before, edge.next);
     border_.close(to_there);
   } else {
-    const uint32_t ahead = add_edge(v, 2);
+    const uint32_t ahead = add_edge(v, 2, place, edge.to_place);
     border_.link(to_there, ahead), border_.link(ahead, edge.next);
   }
-  if (from_there != kNone && place_of_[border_[from_there].to] == place_of_[v[1]]) {
+  if (border_[from_there].to_place == edge.from_place) {
     border_.link(edge.before, border_[from_there].next);
     border_.close(from_there);
   } else {
-    const uint32_t behind = add_edge(v, 1);
+    const uint32_t behind = add_edge(v, 1, edge.from_place, place);
     border_.link(edge.before, behind), border_.link(behind, from_there);
   }
 }
@@ -336,29 +344,32 @@ bool TriangleGrower<Side>::grow_beyond(const OpenEdge& edge) {
   if constexpr (Side::kPuts) wish = wish_beyond(edge, gap);
   NibbleModel& model = way_models_[(had_others_ * kGaps + gap.kind) * kWays * kWays + ways_before_];
   const uint32_t told = side_.tell(model, wish.others == 0 ? wish.way : wish.way + kOtherCorners);
-  const uint32_t way = told < kWays ? told : told - kOtherCorners;
-  if (way >= kWays || (way == kAhead && gap.ahead == kNone) || (way == kBehind && gap.behind == kNone)) return false;
-  ways_before_ = ways_before_ % kWays * kWays + way;
   had_others_ = told < kWays ? 0 : 1;
+  const uint32_t way = told - had_others_ * kOtherCorners;
+  if (way >= kWays || (kPossible[gap.kind] >> way & 1U) == 0) return false;
+  ways_before_ = ways_before_ % kWays * kWays + way;
   if (way == kNothing) {
-    border_.link(edge.before, kNone), border_.link(kNone, edge.next);
+    border_.link(edge.before, kNoEdge), border_.link(kNoEdge, edge.next);
     return true;
   }
-  uint32_t place = kNone;
-  if (way == kOther && !tell_third(edge, gap, wish.third, place)) return false;
-  Corners v{edge.to, edge.from, likely_third(gap, way, place)};
-  uint32_t like = kNone;
-  if (had_others_ != 0 && !tell_corners(wish, way == kNew ? 2 : 3, v, like)) return false;
+  uint32_t place = kNone, like = kNone;
+  Corners v{edge.to, edge.from, kNone};
   if (way == kNew) {
-    place = add_place(kin_of_three(place_of_[edge.from], place_of_[edge.to], place_of_[edge.across]), wish.sources[2]);
+    if (had_others_ != 0 && !tell_corners(wish, 2, v, like)) return false;
+    place = add_place(kin_of_three(edge.from_place, edge.to_place, place_of_[edge.across]), wish.sources[2]);
     const Guess guess = like != kNone ? one_guess(like) : Guess{v[1], v[0], edge.across, 3};
     if ((v[2] = add_vertex(place, guess, kNone, wish.sources[2])) == kNone) return false;
+    add_gap(edge, place, v);
+  } else {
+    if (way == kOther && !tell_third(edge, gap, wish.third, place)) return false;
+    v[2] = likely_third(edge, way, place);
+    if (had_others_ != 0 && !tell_corners(wish, 3, v, like)) return false;
+    if (way == kOther)
+      split(edge, place, v);
+    else
+      close_gap(edge, gap, way, v);
   }
   indices_.insert(indices_.end(), v.begin(), v.end());
-  if (way == kOther)
-    split(edge, v);
-  else
-    close_gap(edge, gap, way, v);
   return true;
 }
 

@@ -68,10 +68,8 @@ class RansDecoder {
   [[gnu::always_inline]] uint32_t get(BitModel& model) {
     const uint64_t place = state_ & kMask, zero = model.zero<kRansChanceBits>();
     const uint32_t bit = place >= zero ? 1 : 0;
-    if (bit == 0)
-      state_ = zero * (state_ >> kRansChanceBits) + place;
-    else
-      state_ = (kMask + 1 - zero) * (state_ >> kRansChanceBits) + place - zero;
+    const uint64_t is_one = 0 - uint64_t(bit), size = (zero ^ is_one) + (is_one & (kMask + 2));  // or the rest
+    state_ = size * (state_ >> kRansChanceBits) + place - (zero & is_one);
     model.update(bit);
     refill();
     return bit;
@@ -92,15 +90,22 @@ class RansDecoder {
  private:
   static constexpr uint64_t kMask = (uint64_t(1) << kRansChanceBits) - 1;
 
+  /// Whether it has to be filled is as good as random: without a branch.
   [[gnu::always_inline]] void refill() {
-    if (state_ >= kLeastRansState) return;
-    uint32_t word = 0;
-    if (end_ - at_ >= static_cast<std::ptrdiff_t>(sizeof(uint32_t))) {
-      for (unsigned k = 0; k < sizeof(uint32_t); ++k) word |= std::to_integer<uint32_t>(*at_++) << 8 * k;
-    } else {
-      overrun_ = true;
+    if (end_ - at_ < static_cast<std::ptrdiff_t>(sizeof(uint32_t))) {
+      refill_at_end();
+      return;
     }
-    state_ = state_ << kRansWordBits | word;
+    uint64_t word = 0;
+    for (unsigned k = 0; k < sizeof(uint32_t); ++k) word |= std::to_integer<uint64_t>(at_[k]) << 8 * k;
+    const uint64_t is_low = state_ < kLeastRansState ? ~uint64_t(0) : 0;
+    state_ = (state_ << (is_low & kRansWordBits)) | (word & is_low);
+    at_ += is_low & sizeof(uint32_t);
+  }
+  void refill_at_end() {
+    if (state_ >= kLeastRansState) return;
+    overrun_ = true;
+    state_ <<= kRansWordBits;
   }
 
   const std::byte* at_;
