@@ -49,8 +49,8 @@ GrownMesh encode_grown(const QuantizedMesh& mesh) {
     grower.grow_run(run.triangles);
     first += run.triangles;
   }
-  PlaceTeller<PutSide> places(side, mesh.on_grid, mesh.fine_bits, grower.place_kin().size());
-  places.tell_all(grower.place_kin(), places_of(mesh, source));
+  PlaceTeller<PutSide> places(side, mesh.on_grid, mesh.fine_bits, grower.places());
+  places.tell_all(std::span(grower.place_kin()).first(grower.places()), places_of(mesh, source));
   QuantizedMesh grown;
   grown.on_grid = mesh.on_grid;
   spread(places.places(), grower.place_of(), grown);
@@ -70,10 +70,10 @@ Status decode_grown(std::span<const std::byte> bytes, size_t vertices, size_t tr
   TriangleGrower<GetSide> grower(side, vertices, triangles, nullptr);
   for (const MaterialRun& run : mesh.runs)
     if (!grower.grow_run(run.triangles)) return Error{fmt::format("mesh: its {} triangles do not decode", triangles)};
-  if (grower.place_of().size() != vertices)
-    return Error{fmt::format("mesh: decodes to {} vertices, its header has {}", grower.place_of().size(), vertices)};
-  PlaceTeller<GetSide> places(side, mesh.on_grid, mesh.fine_bits, grower.place_kin().size());
-  places.tell_all(grower.place_kin(), {});
+  if (grower.vertices() != vertices)
+    return Error{fmt::format("mesh: decodes to {} vertices, its header has {}", grower.vertices(), vertices)};
+  PlaceTeller<GetSide> places(side, mesh.on_grid, mesh.fine_bits, grower.places());
+  places.tell_all(std::span(grower.place_kin()).first(grower.places()), {});
   mesh.indices = grower.take_indices();
   spread(places.places(), grower.place_of(), mesh);
   const std::vector<VertexKin>& kin = grower.vertex_kin();

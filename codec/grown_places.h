@@ -8,7 +8,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <utility>
+#include <span>
 #include <vector>
 
 #include "codec/grown_kin.h"
@@ -25,19 +25,18 @@ struct alignas(16) Place {
 template <class Side>
 class PlaceTeller {
  public:
-  /// most: about how many there will be. fine_bits: places that are not told to lie beside the grid have none of these.
+  /// most: how many there will be. fine_bits: places that are not told to lie beside the grid have none of these.
   PlaceTeller(Side& side, bool on_grid, uint32_t fine_bits, size_t most)
       : side_(side),
         continues_(on_grid),
         fine_bits_(fine_bits),
         table_bits_(static_cast<unsigned>(std::clamp(int(std::bit_width(most)), kLeastTableBits, kMostTableBits))) {
     for (auto& table : tables_) table.assign(size_t(1) << table_bits_, kNone);
-    places_.reserve(most + kFirstPlace);
-    places_.resize(kFirstPlace);
-    traces_.reserve(most);
+    places_.resize(most + kFirstPlace);
+    traces_.resize(most);
   }
   /// All places. wanted: where they are; a PutSide's.
-  void tell_all(const std::vector<PlaceKin>& kin, const std::vector<Place>& wanted);
+  void tell_all(std::span<const PlaceKin> kin, const std::vector<Place>& wanted);
   /// With kFirstPlace more before the first.
   const std::vector<Place>& places() const { return places_; }
 
@@ -52,10 +51,14 @@ class PlaceTeller {
   // What a kind is told by: the kinds of the components before it, what is off by any means alike.
   static constexpr uint32_t kKinds = kSlots + 1, kKindContexts = 1 + kKinds + kKinds * kKinds;
 
-  /// How a place was found: for each component a slot, and how far from there it is.
-  struct Trace {
+  /// How a place was found: for each component how far it is from a slot, and which.
+  struct alignas(16) Trace {
     std::array<uint32_t, 3> offsets{};
-    std::array<uint8_t, 4> slots{};
+    uint32_t slots = 0;  ///< eight bits each, the first component's the lowest
+  };
+  /// The same, taken apart.
+  struct Found {
+    std::array<uint32_t, 3> offsets{}, slots{};
   };
   /// What slots hold: by slot, by component.
   struct Site {
@@ -72,6 +75,11 @@ class PlaceTeller {
   void tell(Side& side, const PlaceKin& kin, const Place& wanted);
   Site site_of(Side& side, const PlaceKin& kin, const Place& wanted);
   uint32_t find_twin(const Site& site, size_t& order);
+  /// As one: it is soon read so.
+  template <class Four>
+  static void store(Four* to, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+    _mm_store_si128(reinterpret_cast<__m128i*>(to), _mm_setr_epi32(int(a), int(b), int(c), int(d)));
+  }
   static uint32_t size_of(uint32_t offset) { return std::min(offset, 0 - offset); }
   /// An offset is no 0, and a whole number of steps.
   static uint32_t told_of_offset(uint32_t offset, uint32_t shift) {
@@ -82,14 +90,15 @@ class PlaceTeller {
   uint32_t kind_of(const AxisModels& models, const Site& site, size_t axis, uint32_t value) const;
   uint32_t tell_offset(Side& side, AxisModels& models, const Site& site, uint32_t kind, uint32_t expected,
                        uint32_t wanted);
-  void tell_kinds(Side& side, const Site& site, uint32_t same, const Place& wanted, Trace& trace,
+  void tell_kinds(Side& side, const Site& site, uint32_t same, const Place& wanted, Found& found,
                   std::array<uint32_t, 3>& kinds);
-  void remember(const Trace& trace);
+  void remember(const Found& found);
 
   Side& side_;
   bool continues_;  ///< whether places continue linearly: bits of floats do not
   uint32_t fine_bits_;
   unsigned table_bits_;
+  uint32_t count_ = 0;  ///< of places that were told
   std::vector<Place> places_;
   std::array<std::array<AxisModels, 3>, 2> axes_;  ///< by fineness
   std::array<BitModel, 12> fine_models_;
@@ -143,13 +152,13 @@ template <class Side>
 }
 
 template <class Side>
-[[gnu::always_inline]] inline void PlaceTeller<Side>::remember(const Trace& trace) {
+[[gnu::always_inline]] inline void PlaceTeller<Side>::remember(const Found& found) {
   constexpr uint64_t kMix = 0xbf58476d1ce4e5b9ULL;
-  const auto index = static_cast<uint32_t>(traces_.size());
-  for (size_t i = 0; i < 2; ++i) tables_[i][slots_[i]] = index;
-  traces_.push_back(trace);
+  for (size_t i = 0; i < 2; ++i) tables_[i][slots_[i]] = count_;
+  const std::array<uint32_t, 3>&offsets = found.offsets, &slots = found.slots;
+  store(&traces_[count_], offsets[0], offsets[1], offsets[2], slots[0] | slots[1] << 8U | slots[2] << 16U);
   uint64_t hash = 1;
-  for (size_t i = 0; i < 3; ++i) hash = (hash ^ (uint64_t(trace.slots[i]) << 32U | trace.offsets[i])) * kMix;
+  for (size_t i = 0; i < 3; ++i) hash = (hash ^ (uint64_t(slots[i]) << 32U | offsets[i])) * kMix;
   before_ = {hash ^ hash >> 32U, before_[0], before_[1]};
 }
 
@@ -205,18 +214,18 @@ template <class Side>
 /// Of the components that are not the same as a twin's.
 template <class Side>
 [[gnu::always_inline]] inline void PlaceTeller<Side>::tell_kinds(Side& side, const Site& site, uint32_t same,
-                                                                 const Place& wanted, Trace& trace,
+                                                                 const Place& wanted, Found& found,
                                                                  std::array<uint32_t, 3>& kinds) {
   uint32_t context = 0;
 #pragma GCC unroll 3
   for (size_t i = 0; i < 3; ++i) {
-    uint32_t kind = trace.slots[i] | (trace.offsets[i] != 0 ? kSameOffset : 0U);
+    uint32_t kind = found.slots[i] | (found.offsets[i] != 0 ? kSameOffset : 0U);
     if ((same >> i & 1U) == 0) {
       AxisModels& models = axes_[site.is_fine][i];
       if constexpr (Side::kPuts) kind = kind_of(models, site, i, wanted.at[i]);
       kinds[i] = kind = side.tell(models.kinds[site.family][context], kind);
-      trace.slots[i] = static_cast<uint8_t>(kind < kSlots ? kind : 0);
-      trace.offsets[i] = 0;
+      found.slots[i] = kind < kSlots ? kind : 0;
+      found.offsets[i] = 0;
     }
     context = context * kKinds + 1 + std::min(kind, kSameOffset);
   }
@@ -227,34 +236,35 @@ template <class Side>
   const Site site = site_of(side, kin, wanted);
   size_t order = 0;
   const uint32_t twin = find_twin(site, order);
-  Trace trace;
+  Found found;
   uint32_t same = 0;
   if (twin != kNone) {
-    trace = traces_[twin];
+    const Trace& trace = traces_[twin];
+    found = {trace.offsets, {trace.slots & 0xffU, trace.slots >> 8U & 0xffU, trace.slots >> 16U}};
     if constexpr (Side::kPuts)
       for (size_t i = 0; i < 3; ++i) {
         const uint32_t slot = slot_of(site, i, wanted.at[i]) % kSlots, offset = wanted.at[i] - site.values[slot][i];
-        same |= slot == trace.slots[i] && offset == trace.offsets[i] ? 1U << i : 0U;
+        same |= slot == found.slots[i] && offset == found.offsets[i] ? 1U << i : 0U;
       }
-    same = side.tell(same_models_[order][same_before_], same) & 7U;
+    same = side.tell(same_models_[order][same_before_], same) & kAllSame;
   }
   same_before_ = same;
-  Place place;
-  place.at[3] = site.is_fine;
   std::array<uint32_t, 3> kinds{};
-  if (same != kAllSame) tell_kinds(side, site, same, wanted, trace, kinds);
+  if (same != kAllSame) tell_kinds(side, site, same, wanted, found, kinds);
+  std::array<uint32_t, 3> at{};
 #pragma GCC unroll 3
   for (size_t i = 0; i < 3; ++i) {
     if (kinds[i] >= kSlots)
-      trace.offsets[i] = tell_offset(side, axes_[site.is_fine][i], site, kinds[i], site.values[0][i], wanted.at[i]);
-    place.at[i] = site.values[trace.slots[i]][i] + trace.offsets[i];
+      found.offsets[i] = tell_offset(side, axes_[site.is_fine][i], site, kinds[i], site.values[0][i], wanted.at[i]);
+    at[i] = site.values[found.slots[i]][i] + found.offsets[i];
   }
-  places_.push_back(place);
-  remember(trace);
+  store(&places_[kFirstPlace + count_], at[0], at[1], at[2], site.is_fine);
+  remember(found);
+  ++count_;
 }
 
 template <class Side>
-void PlaceTeller<Side>::tell_all(const std::vector<PlaceKin>& kin, const std::vector<Place>& wanted) {
+void PlaceTeller<Side>::tell_all(std::span<const PlaceKin> kin, const std::vector<Place>& wanted) {
   AtHand<Side> hand(side_);
   for (size_t i = 0; i < kin.size(); ++i) tell(hand.get(), kin[i], Side::kPuts ? wanted[i] : Place());
   hand.lay_back();

@@ -22,13 +22,21 @@ class TriangleGrower {
  public:
   /// most_vertices: more are refused. source: a PutSide's, else null.
   TriangleGrower(Side& side, size_t most_vertices, size_t triangles, GrownSource* source)
-      : side_(side), source_(source), most_vertices_(most_vertices) {
-    indices_.reserve(3 * triangles);
-  }
+      : side_(side),
+        source_(source),
+        indices_(3 * triangles),
+        place_of_(most_vertices),
+        before_there_(most_vertices),
+        vertex_kin_(most_vertices),
+        latest_vertex_(most_vertices),
+        latest_edge_(most_vertices),
+        place_kin_(most_vertices) {}
   /// All triangles of a run. False: what is told cannot be.
   bool grow_run(size_t triangles);
 
   std::vector<uint32_t> take_indices() { return std::move(indices_); }
+  uint32_t vertices() const { return vertices_; }
+  uint32_t places() const { return places_; }
   /// By vertex.
   const std::vector<uint32_t>& place_of() const { return place_of_; }
   const std::vector<VertexKin>& vertex_kin() const { return vertex_kin_; }
@@ -78,6 +86,7 @@ class TriangleGrower {
   bool tell_third(const OpenEdge& edge, const Gap& gap, uint32_t wanted, uint32_t& place);
   bool tell_corners(const Wish& wish, size_t known, Corners& v, uint32_t& like);
   uint32_t add_edge(const Corners& v, size_t first, uint32_t from_place, uint32_t to_place);
+  void add_triangle(const Corners& v);
   void add_gap(const OpenEdge& edge, uint32_t place, const Corners& v);
   void close_gap(const OpenEdge& edge, const Gap& gap, uint32_t way, const Corners& v);
   void split(const OpenEdge& edge, uint32_t place, const Corners& v);
@@ -85,12 +94,13 @@ class TriangleGrower {
 
   Side& side_;
   GrownSource* source_;
-  size_t most_vertices_;
   std::vector<uint32_t> indices_;
+  size_t corners_ = 0;                                 ///< how many indices there are yet
+  uint32_t vertices_ = 0, places_ = 0;                 ///< how many there are yet
   std::vector<uint32_t> place_of_, before_there_;      ///< by vertex: its place, another one there
   std::vector<VertexKin> vertex_kin_;                  ///< by vertex
   std::vector<uint32_t> latest_vertex_, latest_edge_;  ///< by place: an edge from there, while it is open
-  std::vector<PlaceKin> place_kin_;                    ///< by place
+  std::vector<PlaceKin> place_kin_;                    ///< by place: no more than vertices
   GrownBorder border_;
   uint32_t ways_before_ = 0;  ///< the last two
   uint32_t had_others_ = 0;   ///< whether some corner of the last triangle was not the likely vertex
@@ -106,36 +116,44 @@ template <class Side>
 bool TriangleGrower<Side>::grow_run(size_t triangles) {
   border_.clear();
   ways_before_ = had_others_ = 0;
-  const size_t end = indices_.size() + 3 * triangles;
-  while (indices_.size() < end) {
+  const size_t end = corners_ + 3 * triangles;
+  while (corners_ < end) {
     OpenEdge edge;
+    border_.make_room();
     if (!(border_.take(edge) ? grow_beyond(edge) : begin_part())) return false;
     if (side_.is_broken()) return false;
   }
   return true;
 }
 
+/// kNone: there are too many vertices.
 template <class Side>
-uint32_t TriangleGrower<Side>::add_place(const PlaceKin& kin, uint32_t source_vertex) {
-  const auto place = static_cast<uint32_t>(place_kin_.size());
-  place_kin_.push_back(kin);
-  latest_vertex_.push_back(kNone);
-  latest_edge_.push_back(kNone);
+[[gnu::always_inline]] inline uint32_t TriangleGrower<Side>::add_place(const PlaceKin& kin, uint32_t source_vertex) {
+  if (vertices_ >= place_of_.size()) return kNone;
+  place_kin_[places_] = kin;
+  latest_vertex_[places_] = kNone;
+  latest_edge_[places_] = kNoEdge;
   if constexpr (Side::kPuts) source_->grow_place(source_vertex);
-  return place;
+  return places_++;
 }
 
 /// kNone: there are too many.
 template <class Side>
-uint32_t TriangleGrower<Side>::add_vertex(uint32_t place, const Guess& guess, uint32_t twin, uint32_t source_vertex) {
-  const auto vertex = static_cast<uint32_t>(place_of_.size());
-  if (vertex >= most_vertices_) return kNone;
-  place_of_.push_back(place);
-  before_there_.push_back(latest_vertex_[place]);
-  latest_vertex_[place] = vertex;
-  vertex_kin_.push_back({guess, twin});
+[[gnu::always_inline]] inline uint32_t TriangleGrower<Side>::add_vertex(uint32_t place, const Guess& guess,
+                                                                        uint32_t twin, uint32_t source_vertex) {
+  if (vertices_ >= place_of_.size()) return kNone;
+  place_of_[vertices_] = place;
+  before_there_[vertices_] = latest_vertex_[place];
+  latest_vertex_[place] = vertices_;
+  vertex_kin_[vertices_] = {guess, twin};
   if constexpr (Side::kPuts) source_->grow_vertex(source_vertex);
-  return vertex;
+  return vertices_++;
+}
+
+template <class Side>
+[[gnu::always_inline]] inline void TriangleGrower<Side>::add_triangle(const Corners& v) {
+  for (size_t i = 0; i < 3; ++i) indices_[corners_ + i] = v[i];
+  corners_ += 3;
 }
 
 /// Another vertex than `likely` in its place: one that is known, or a new one, which looks like `like`. kNone: broken.
@@ -158,9 +176,8 @@ uint32_t TriangleGrower<Side>::tell_vertex(uint32_t likely, uint32_t& like, uint
 /// One of many in a place.
 template <class Side>
 uint32_t TriangleGrower<Side>::tell_far_vertex(uint32_t place, uint32_t wanted) {
-  const auto count = static_cast<uint32_t>(place_of_.size());
-  const uint32_t back = tell_number(side_, back_models_[2], count - 1 - wanted);
-  return back < count && place_of_[count - 1 - back] == place ? count - 1 - back : kNone;
+  const uint32_t back = tell_number(side_, back_models_[2], vertices_ - 1 - wanted);
+  return back < vertices_ && place_of_[vertices_ - 1 - back] == place ? vertices_ - 1 - back : kNone;
 }
 
 /// The latest vertex in the place has rank 1, and so on, but for `likely`, which has none. At most kSymbols.
@@ -185,17 +202,18 @@ uint32_t TriangleGrower<Side>::ranked_there(uint32_t likely, uint32_t rank) cons
 /// One corner of a triangle that lies beyond no edge.
 template <class Side>
 bool TriangleGrower<Side>::tell_begin(size_t corner, uint32_t source_vertex, uint32_t& like, Corners& v) {
-  const auto count = static_cast<uint32_t>(place_kin_.size());
   uint32_t wanted = kNone;
   if constexpr (Side::kPuts) wanted = source_->grown_place(source_vertex);
   if (side_.tell(begin_models_[corner], wanted == kNone ? 1 : 0) != 0) {
-    const PlaceKin kin = corner == 0 ? kin_of_nothing(count) : kin_of_one(count, place_of_[v[corner - 1]]);
-    v[corner] = like = add_vertex(add_place(kin, source_vertex), one_guess(like), kNone, source_vertex);
-    return like != kNone;
+    const PlaceKin kin = corner == 0 ? kin_of_nothing(places_) : kin_of_one(places_, place_of_[v[corner - 1]]);
+    const uint32_t place = add_place(kin, source_vertex);
+    if (place == kNone) return false;
+    v[corner] = like = add_vertex(place, one_guess(like), kNone, source_vertex);
+    return true;
   }
-  const uint32_t back = tell_number(side_, back_models_[0], count - 1 - wanted);
-  if (back >= count) return false;
-  const uint32_t place = count - 1 - back;
+  const uint32_t back = tell_number(side_, back_models_[0], places_ - 1 - wanted);
+  if (back >= places_) return false;
+  const uint32_t place = places_ - 1 - back;
   for (size_t i = 0; i < corner; ++i)
     if (place_of_[v[i]] == place) return false;
   v[corner] = latest_vertex_[place];
@@ -211,10 +229,10 @@ template <class Side>
 bool TriangleGrower<Side>::begin_part() {
   Corners wanted{}, v{};
   if constexpr (Side::kPuts) wanted = source_->next_triangle();
-  uint32_t like = place_of_.empty() ? kNone : static_cast<uint32_t>(place_of_.size()) - 1;
+  uint32_t like = vertices_ == 0 ? kNone : vertices_ - 1;
   for (size_t i = 0; i < 3; ++i)
     if (!tell_begin(i, wanted[i], like, v)) return false;
-  indices_.insert(indices_.end(), v.begin(), v.end());
+  add_triangle(v);
   const Corners at{place_of_[v[0]], place_of_[v[1]], place_of_[v[2]]};
   const uint32_t first = add_edge(v, 0, at[0], at[1]), second = add_edge(v, 1, at[1], at[2]),
                  third = add_edge(v, 2, at[2], at[0]);
@@ -236,7 +254,8 @@ template <class Side>
 
 /// The vertex that a known third corner is likely to be. place: of kOther.
 template <class Side>
-uint32_t TriangleGrower<Side>::likely_third(const OpenEdge& edge, uint32_t way, uint32_t place) const {
+[[gnu::always_inline]] inline uint32_t TriangleGrower<Side>::likely_third(const OpenEdge& edge, uint32_t way,
+                                                                          uint32_t place) const {
   if (way == kOther) return latest_vertex_[place];
   return way == kAhead ? border_[edge.next].to : border_[edge.before].from;
 }
@@ -259,10 +278,9 @@ typename TriangleGrower<Side>::Wish TriangleGrower<Side>::wish_beyond(const Open
 /// The place of a third corner that is known but not linked to the edge.
 template <class Side>
 bool TriangleGrower<Side>::tell_third(const OpenEdge& edge, const Gap& gap, uint32_t wanted, uint32_t& place) {
-  const auto count = static_cast<uint32_t>(place_kin_.size());
-  const uint32_t back = tell_number(side_, back_models_[1], count - 1 - wanted);
-  if (back >= count) return false;
-  place = count - 1 - back;
+  const uint32_t back = tell_number(side_, back_models_[1], places_ - 1 - wanted);
+  if (back >= places_) return false;
+  place = places_ - 1 - back;
   // Those would be linked to it, or collapse it.
   return place != edge.from_place && place != edge.to_place && place != gap.ahead && place != gap.behind;
 }
@@ -280,8 +298,7 @@ bool TriangleGrower<Side>::tell_corners(const Wish& wish, size_t known, Corners&
 template <class Side>
 [[gnu::always_inline]] inline uint32_t TriangleGrower<Side>::add_edge(const Corners& v, size_t first,
                                                                       uint32_t from_place, uint32_t to_place) {
-  const uint32_t edge =
-      border_.add({v[first], v[(first + 1) % 3], v[(first + 2) % 3], from_place, to_place, kNoEdge, kNoEdge, 1});
+  const uint32_t edge = border_.add(v[first], v[(first + 1) % 3], v[(first + 2) % 3], from_place, to_place);
   latest_edge_[from_place] = edge;
   return edge;
 }
@@ -338,7 +355,7 @@ void TriangleGrower<Side>::split(const OpenEdge& edge, uint32_t place, const Cor
 }
 
 template <class Side>
-bool TriangleGrower<Side>::grow_beyond(const OpenEdge& edge) {
+[[gnu::always_inline]] inline bool TriangleGrower<Side>::grow_beyond(const OpenEdge& edge) {
   const Gap gap = gap_of(edge);
   Wish wish;
   if constexpr (Side::kPuts) wish = wish_beyond(edge, gap);
@@ -357,19 +374,20 @@ bool TriangleGrower<Side>::grow_beyond(const OpenEdge& edge) {
   if (way == kNew) {
     if (had_others_ != 0 && !tell_corners(wish, 2, v, like)) return false;
     place = add_place(kin_of_three(edge.from_place, edge.to_place, place_of_[edge.across]), wish.sources[2]);
+    if (place == kNone) return false;
     const Guess guess = like != kNone ? one_guess(like) : Guess{v[1], v[0], edge.across, 3};
-    if ((v[2] = add_vertex(place, guess, kNone, wish.sources[2])) == kNone) return false;
+    v[2] = add_vertex(place, guess, kNone, wish.sources[2]);
     add_gap(edge, place, v);
   } else {
-    if (way == kOther && !tell_third(edge, gap, wish.third, place)) return false;
+    if (way == kOther && !tell_third(OpenEdge(edge), gap, wish.third, place)) return false;
     v[2] = likely_third(edge, way, place);
     if (had_others_ != 0 && !tell_corners(wish, 3, v, like)) return false;
     if (way == kOther)
-      split(edge, place, v);
+      split(OpenEdge(edge), place, v);
     else
       close_gap(edge, gap, way, v);
   }
-  indices_.insert(indices_.end(), v.begin(), v.end());
+  add_triangle(v);
   return true;
 }
 

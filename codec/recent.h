@@ -1,7 +1,7 @@
 #pragma once
 // The latest different numbers: what is asked for again is told by its rank.
 
-#include <emmintrin.h>
+#include <tmmintrin.h>
 
 #include <array>
 #include <bit>
@@ -27,33 +27,31 @@ class Recent {
   }
   /// rank: below kMost.
   uint32_t at(uint32_t rank) const { return numbers_[rank]; }
-  /// Without a branch: ranks are hard to foretell.
+  /// Without a branch: ranks are hard to foretell. And in whole vectors: what was just written is read so again.
   [[gnu::always_inline]] void use(uint32_t rank) {
-    const uint32_t number = numbers_[rank];
-    auto* to = reinterpret_cast<__m128i*>(numbers_.data());
     const __m128i last = _mm_set1_epi32(static_cast<int>(rank) + 1);
-    for (size_t i = kMost / 4; i-- > 0;) {  // from the last, as each takes one from the four before
-      const auto first = static_cast<int>(4 * i);
-      const __m128i moves = _mm_cmplt_epi32(_mm_setr_epi32(first, first + 1, first + 2, first + 3), last);
-      const __m128i now = _mm_load_si128(to + i);
-      const __m128i before = i > 0 ? _mm_loadu_si128(reinterpret_cast<const __m128i*>(numbers_.data() + 4 * i - 1))
-                                   : _mm_slli_si128(now, 4);
-      _mm_store_si128(to + i, _mm_or_si128(_mm_and_si128(moves, before), _mm_andnot_si128(moves, now)));
+    __m128i before = _mm_slli_si128(_mm_cvtsi32_si128(static_cast<int>(numbers_[rank])), 12);
+    for (int i = 0; i < int(kMost); i += 4) {
+      auto* four = reinterpret_cast<__m128i*>(numbers_.data() + i);
+      const __m128i moves = _mm_cmplt_epi32(_mm_setr_epi32(i, i + 1, i + 2, i + 3), last);
+      const __m128i now = _mm_load_si128(four), moved = _mm_alignr_epi8(now, before, 12);
+      _mm_store_si128(four, _mm_or_si128(_mm_and_si128(moves, moved), _mm_andnot_si128(moves, now)));
+      before = now;
     }
-    numbers_[0] = number;
   }
   /// One that is not there; the last one leaves.
   [[gnu::always_inline]] void add(uint32_t number) {
-    auto* at = reinterpret_cast<__m128i*>(numbers_.data() + 1);  // not one too many: the array has room for it
-    const auto* from = reinterpret_cast<const __m128i*>(numbers_.data());
-    const __m128i a = _mm_load_si128(from), b = _mm_load_si128(from + 1), c = _mm_load_si128(from + 2),
-                  d = _mm_load_si128(from + 3);
-    _mm_storeu_si128(at, a), _mm_storeu_si128(at + 1, b), _mm_storeu_si128(at + 2, c), _mm_storeu_si128(at + 3, d);
-    numbers_[0] = number;
+    __m128i before = _mm_slli_si128(_mm_cvtsi32_si128(static_cast<int>(number)), 12);
+    for (size_t i = 0; i < kMost; i += 4) {
+      auto* four = reinterpret_cast<__m128i*>(numbers_.data() + i);
+      const __m128i now = _mm_load_si128(four);
+      _mm_store_si128(four, _mm_alignr_epi8(now, before, 12));
+      before = now;
+    }
   }
 
  private:
-  alignas(16) std::array<uint32_t, kMost + 4> numbers_{};
+  alignas(16) std::array<uint32_t, kMost> numbers_{};
 };
 
 }  // namespace promenade
