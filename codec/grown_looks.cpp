@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "codec/angle_normals.h"
-#include "codec/recent.h"
+#include "codec/grown_axis.h"
 
 namespace promenade {
 namespace {
@@ -88,21 +88,14 @@ bool tell_palette(Side& side, size_t vertices, std::vector<uint32_t>& palette) {
   return true;
 }
 
-/// Four vertices, each a bit, the first the lowest.
-struct Four {
-  uint32_t twins = 0;   ///< which have one
-  uint32_t others = 0;  ///< which are not coloured like their likely vertex
-};
-
-Four four_from(uint32_t first, const std::vector<VertexKin>& kin, const std::vector<glm::u8vec4>& colors, bool puts) {
-  Four four;
+/// Which of four vertices, the first the lowest bit, are not coloured like their likely vertex.
+uint32_t others_from(uint32_t first, const std::vector<VertexKin>& kin, const std::vector<glm::u8vec4>& colors) {
+  uint32_t others = 0;
   for (uint32_t i = 0; i < 4 && first + i < kin.size(); ++i) {
-    const VertexKin& of = kin[first + i];
-    const uint32_t like = like_of(of);
-    four.twins |= of.twin != kNone ? 1U << i : 0U;
-    if (puts) four.others |= like == kNone || colors[first + i] != colors[like] ? 1U << i : 0U;
+    const uint32_t like = like_of(kin[first + i]);
+    others |= like == kNone || colors[first + i] != colors[like] ? 1U << i : 0U;
   }
-  return four;
+  return others;
 }
 
 }  // namespace
@@ -169,13 +162,25 @@ template <class Side>
 bool tell_texcoords(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
   std::vector<glm::u32vec2>& values = mesh.texcoords;
   values.resize(kin.size());
-  std::array<PairModels, 3> models;  // by what is known
+  std::array<AxisTeller, 2> axes;
   for (uint32_t v = 0; v < kin.size() && !side.is_broken(); ++v) {
     const Guess& guess = kin[v].guess;
-    const glm::u32vec2 from(expected(values, guess, 0), expected(values, guess, 1));
-    const auto told = tell_pair(side, models[std::min<size_t>(guess.known, 2)],
-                                {folded(values[v].x - from.x, true), folded(values[v].y - from.y, true)});
-    values[v] = from + glm::u32vec2(unfolded(told[0]), unfolded(told[1]));
+    const uint32_t family = std::min<uint32_t>(guess.known, 2);
+    const auto at = [&](uint32_t vertex) { return vertex < v ? values[vertex] : glm::u32vec2(0); };
+    const glm::u32vec2 a = at(guess.known == 0 ? v - 1 : guess.a), b = at(family == 2 ? guess.b : v - 1),
+                       c = at(family == 2 ? guess.c : v - 2), expected = family == 2 ? a + b - c : a;
+    const LikelyValues likely{{{{expected.x, expected.y}, {a.x, a.y}, {b.x, b.y}, {c.x, c.y}}}};
+    uint32_t context = 0;
+    glm::u32vec2 told{};
+    for (int i = 0; i < 2; ++i) {
+      AxisTeller& axis = axes[size_t(i)];
+      const uint32_t wanted = Side::kPuts ? values[v][i] : 0;
+      const uint32_t kind = axis.tell_kind(side, family, context, likely, size_t(i), 0, wanted);
+      told[i] = AxisTeller::is_off(kind) ? expected[i] + axis.tell_offset(side, kind, expected[i], 0, wanted)
+                                         : likely.values[kind][size_t(i)];
+      context = AxisTeller::context_after(context, kind);
+    }
+    values[v] = told;
   }
   return true;
 }
@@ -188,22 +193,19 @@ bool tell_colors(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& m
   if (!tell_palette(side, kin.size(), palette)) return false;
   const auto colors = static_cast<uint32_t>(palette.size());
   mesh.colors.resize(kin.size());
-  std::array<NibbleModel, 16> other_models;  // of four vertices, by which of them have twins
-  std::array<NibbleModel, 2> rank_models;
-  Recent recent;        // places in the palette
-  uint32_t others = 0;  // which of four vertices do not look like their likely one
+  std::array<NibbleModel, 16> other_models;  // of four vertices, by which of the four before do not
+  std::array<NibbleModel, 2> rank_models;    // by whether there is a twin
+  Recent recent;                             // places in the palette
+  uint32_t others = 0;                       // which of four vertices do not look like their likely one
   for (uint32_t v = 0; v < kin.size() && !side.is_broken(); ++v) {
-    const uint32_t like = like_of(kin[v]);
-    if (v % 4 == 0) {
-      const Four four = four_from(v, kin, mesh.colors, Side::kPuts);
-      others = side.tell(other_models[four.twins], four.others);
-    }
-    const size_t has_twin = kin[v].twin != kNone ? 1 : 0;
+    if (v % 4 == 0) others = side.tell(other_models[others], Side::kPuts ? others_from(v, kin, mesh.colors) : 0);
     if ((others >> (v % 4) & 1U) == 0) {
+      const uint32_t like = like_of(kin[v]);
       if (like == kNone) return false;
       mesh.colors[v] = mesh.colors[like];
       continue;
     }
+    const size_t has_twin = kin[v].twin != kNone ? 1 : 0;
     uint32_t place = 0, rank = 0;
     if constexpr (Side::kPuts) {
       place = static_cast<uint32_t>(std::lower_bound(palette.begin(), palette.end(), packed(mesh.colors[v])) -

@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "codec/grown_axis.h"
 #include "codec/grown_kin.h"
-#include "codec/recent.h"
 #include "codec/told_number.h"
 
 namespace promenade {
@@ -42,14 +42,8 @@ class PlaceTeller {
 
  private:
   static constexpr uint32_t kNone = 0xffffffffU;
-  static constexpr int kLeastTableBits = 6, kMostTableBits = 16;
-  // Of a component: as one of four slots: expected, as one of three likely places; as far off as another was; as
-  // another was; told, the number's width from kLeastWidth on among the kinds, or in full.
   static constexpr uint32_t kAllSame = 7;
-  static constexpr uint32_t kSlots = 4, kSameOffset = 4, kSameValue = 5, kTold = 6, kToldInFull = 15;
-  static constexpr uint32_t kLeastWidth = 5;  // measured: nine widths from there are seven eighths of all
-  // What a kind is told by: the kinds of the components before it, what is off by any means alike.
-  static constexpr uint32_t kKinds = kSlots + 1, kKindContexts = 1 + kKinds + kKinds * kKinds;
+  static constexpr int kLeastTableBits = 6, kMostTableBits = 16;
 
   /// How a place was found: for each component how far it is from a slot, and which.
   struct alignas(16) Trace {
@@ -60,16 +54,9 @@ class PlaceTeller {
   struct Found {
     std::array<uint32_t, 3> offsets{}, slots{};
   };
-  /// What slots hold: by slot, by component.
   struct Site {
-    alignas(16) std::array<std::array<uint32_t, 4>, kSlots> values;
+    LikelyValues likely;
     uint32_t family = 0, is_fine = 0, shift = 0;
-  };
-  struct AxisModels {
-    std::array<std::array<NibbleModel, kKindContexts>, 3> kinds;  ///< by family
-    NibbleModel offset_rank, value_rank, width;
-    BitModel sign;
-    Recent offsets, values;
   };
 
   void tell(Side& side, const PlaceKin& kin, const Place& wanted);
@@ -80,16 +67,6 @@ class PlaceTeller {
   static void store(Four* to, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
     _mm_store_si128(reinterpret_cast<__m128i*>(to), _mm_setr_epi32(int(a), int(b), int(c), int(d)));
   }
-  static uint32_t size_of(uint32_t offset) { return std::min(offset, 0 - offset); }
-  /// An offset is no 0, and a whole number of steps.
-  static uint32_t told_of_offset(uint32_t offset, uint32_t shift) {
-    return folded(static_cast<uint32_t>(static_cast<int32_t>(offset) >> shift), true) - 1;
-  }
-  static uint32_t offset_of_told(uint32_t told, uint32_t shift) { return unfolded(told + 1) << shift; }
-  static uint32_t slot_of(const Site& site, size_t axis, uint32_t value);
-  uint32_t kind_of(const AxisModels& models, const Site& site, size_t axis, uint32_t value) const;
-  uint32_t tell_offset(Side& side, AxisModels& models, const Site& site, uint32_t kind, uint32_t expected,
-                       uint32_t wanted);
   void tell_kinds(Side& side, const Site& site, uint32_t same, const Place& wanted, Found& found,
                   std::array<uint32_t, 3>& kinds);
   void remember(const Found& found);
@@ -100,7 +77,7 @@ class PlaceTeller {
   unsigned table_bits_;
   uint32_t count_ = 0;  ///< of places that were told
   std::vector<Place> places_;
-  std::array<std::array<AxisModels, 3>, 2> axes_;  ///< by fineness
+  std::array<std::array<AxisTeller, 3>, 2> axes_;  ///< by fineness
   std::array<BitModel, 12> fine_models_;
   // Places with the same ones before them, by hash: the latest after the same three, after the same one.
   std::array<std::vector<uint32_t>, 2> tables_;
@@ -133,7 +110,7 @@ template <class Side>
   const __m128i continues = _mm_cmpeq_epi32(_mm_set1_epi32(static_cast<int>(site.family)), _mm_set1_epi32(2));
   const __m128i expected = _mm_add_epi32(a, _mm_and_si128(continues, _mm_sub_epi32(b, c)));
   const auto keep = [&](size_t slot, __m128i values) {
-    _mm_store_si128(reinterpret_cast<__m128i*>(site.values[slot].data()), _mm_and_si128(values, masks));
+    _mm_store_si128(reinterpret_cast<__m128i*>(site.likely.values[slot].data()), _mm_and_si128(values, masks));
   };
   keep(0, expected), keep(1, a), keep(2, b), keep(3, c);
   return site;
@@ -162,55 +139,6 @@ template <class Side>
   before_ = {hash ^ hash >> 32U, before_[0], before_[1]};
 }
 
-/// The first slot that holds a value; kSlots: none.
-template <class Side>
-uint32_t PlaceTeller<Side>::slot_of(const Site& site, size_t axis, uint32_t value) {
-  uint32_t slot = 0;
-  while (slot < kSlots && site.values[slot][axis] != value) ++slot;
-  return slot;
-}
-
-/// What a PutSide tells of a component.
-template <class Side>
-uint32_t PlaceTeller<Side>::kind_of(const AxisModels& models, const Site& site, size_t axis, uint32_t value) const {
-  if (const uint32_t slot = slot_of(site, axis, value); slot < kSlots) return slot;
-  const uint32_t offset = value - site.values[0][axis];
-  const uint32_t offset_rank = models.offsets.rank_of(size_of(offset)), value_rank = models.values.rank_of(value);
-  if (offset_rank < Recent::kMost && offset_rank <= value_rank + 1) return kSameOffset;
-  if (value_rank < Recent::kMost) return kSameValue;
-  const auto width = static_cast<uint32_t>(std::bit_width(told_of_offset(offset, site.shift)));
-  return width < kLeastWidth || width >= kLeastWidth + kToldInFull - kTold ? kToldInFull : kTold + width - kLeastWidth;
-}
-
-/// How far off a component is that no slot holds.
-template <class Side>
-[[gnu::always_inline]] inline uint32_t PlaceTeller<Side>::tell_offset(Side& side, AxisModels& models, const Site& site,
-                                                                      uint32_t kind, uint32_t expected,
-                                                                      uint32_t wanted) {
-  uint32_t offset = wanted - expected;
-  if (kind == kSameValue) {
-    const uint32_t rank = side.tell(models.value_rank, models.values.rank_of(wanted) % Recent::kMost);
-    models.values.use(rank);
-    return models.values.at(0) - expected;
-  }
-  if (kind == kSameOffset) {
-    const uint32_t rank = side.tell(models.offset_rank, models.offsets.rank_of(size_of(offset)) % Recent::kMost);
-    models.offsets.use(rank);
-    const uint32_t size = models.offsets.at(0);
-    offset = side.tell(models.sign, offset == size ? 0 : 1) == 0 ? size : 0 - size;
-    const uint32_t value_rank = models.values.rank_of(expected + offset);
-    value_rank < Recent::kMost ? models.values.use(value_rank) : models.values.add(expected + offset);
-    return offset;
-  }
-  const uint32_t number = told_of_offset(offset, site.shift);
-  offset = offset_of_told(kind == kToldInFull ? tell_number(side, models.width, number)
-                                              : tell_low_bits(side, kind - kTold + kLeastWidth, number),
-                          site.shift);
-  models.offsets.add(size_of(offset));
-  models.values.add(expected + offset);
-  return offset;
-}
-
 /// Of the components that are not the same as a twin's.
 template <class Side>
 [[gnu::always_inline]] inline void PlaceTeller<Side>::tell_kinds(Side& side, const Site& site, uint32_t same,
@@ -219,15 +147,14 @@ template <class Side>
   uint32_t context = 0;
 #pragma GCC unroll 3
   for (size_t i = 0; i < 3; ++i) {
-    uint32_t kind = found.slots[i] | (found.offsets[i] != 0 ? kSameOffset : 0U);
+    uint32_t kind = found.slots[i] | (found.offsets[i] != 0 ? AxisTeller::kSameOffset : 0U);
     if ((same >> i & 1U) == 0) {
-      AxisModels& models = axes_[site.is_fine][i];
-      if constexpr (Side::kPuts) kind = kind_of(models, site, i, wanted.at[i]);
-      kinds[i] = kind = side.tell(models.kinds[site.family][context], kind);
-      found.slots[i] = kind < kSlots ? kind : 0;
+      kinds[i] = kind =
+          axes_[site.is_fine][i].tell_kind(side, site.family, context, site.likely, i, site.shift, wanted.at[i]);
+      found.slots[i] = AxisTeller::is_off(kind) ? 0 : kind;
       found.offsets[i] = 0;
     }
-    context = context * kKinds + 1 + std::min(kind, kSameOffset);
+    context = AxisTeller::context_after(context, kind);
   }
 }
 
@@ -243,7 +170,8 @@ template <class Side>
     found = {trace.offsets, {trace.slots & 0xffU, trace.slots >> 8U & 0xffU, trace.slots >> 16U}};
     if constexpr (Side::kPuts)
       for (size_t i = 0; i < 3; ++i) {
-        const uint32_t slot = slot_of(site, i, wanted.at[i]) % kSlots, offset = wanted.at[i] - site.values[slot][i];
+        const uint32_t slot = site.likely.slot_of(i, wanted.at[i]) % LikelyValues::kSlots,
+                       offset = wanted.at[i] - site.likely.values[slot][i];
         same |= slot == found.slots[i] && offset == found.offsets[i] ? 1U << i : 0U;
       }
     same = side.tell(same_models_[order][same_before_], same) & kAllSame;
@@ -254,9 +182,10 @@ template <class Side>
   std::array<uint32_t, 3> at{};
 #pragma GCC unroll 3
   for (size_t i = 0; i < 3; ++i) {
-    if (kinds[i] >= kSlots)
-      found.offsets[i] = tell_offset(side, axes_[site.is_fine][i], site, kinds[i], site.values[0][i], wanted.at[i]);
-    at[i] = site.values[found.slots[i]][i] + found.offsets[i];
+    if (AxisTeller::is_off(kinds[i]))
+      found.offsets[i] =
+          axes_[site.is_fine][i].tell_offset(side, kinds[i], site.likely.values[0][i], site.shift, wanted.at[i]);
+    at[i] = site.likely.values[found.slots[i]][i] + found.offsets[i];
   }
   store(&places_[kFirstPlace + count_], at[0], at[1], at[2], site.is_fine);
   remember(found);
