@@ -44,7 +44,8 @@ struct PairModels {
 };
 
 template <class Side>
-std::array<uint32_t, 2> tell_pair(Side& side, PairModels& models, const std::array<uint32_t, 2>& folded_numbers) {
+[[gnu::always_inline]] inline std::array<uint32_t, 2> tell_pair(Side& side, PairModels& models,
+                                                                const std::array<uint32_t, 2>& folded_numbers) {
   const uint32_t first = tell_number(side, models.first, folded_numbers[0]);
   const size_t width = std::min<size_t>(static_cast<size_t>(std::bit_width(first)), PairModels::kContexts - 1);
   return {first, tell_number(side, models.second[width], folded_numbers[1])};
@@ -67,7 +68,7 @@ std::vector<uint32_t> palette_of(const std::vector<glm::u8vec4>& colors) {
 
 /// The different colours, in order, each as its components' differences from the one before.
 template <class Side>
-bool tell_palette(Side& side, size_t vertices, std::vector<uint32_t>& palette) {
+[[gnu::always_inline]] inline bool tell_palette(Side& side, size_t vertices, std::vector<uint32_t>& palette) {
   const uint32_t count = side.tell_bits(32, static_cast<uint32_t>(palette.size()));
   if (count > vertices) return false;
   palette.resize(count);
@@ -101,7 +102,9 @@ uint32_t others_from(uint32_t first, const std::vector<VertexKin>& kin, const st
 }  // namespace
 
 template <class Side>
-bool tell_normals(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
+bool tell_normals(Side& given, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
+  AtHand<Side> hand(given);
+  Side& side = hand.get();
   const auto count = static_cast<uint32_t>(kin.size());
   std::vector<uint8_t> kinds(count), is_wanted(count, 1);
   std::vector<glm::i16vec2> foretold;
@@ -159,7 +162,9 @@ bool tell_normals(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& 
 }
 
 template <class Side>
-bool tell_texcoords(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
+bool tell_texcoords(Side& given, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
+  AtHand<Side> hand(given);
+  Side& side = hand.get();
   std::vector<glm::u32vec2>& values = mesh.texcoords;
   values.resize(kin.size());
   std::array<AxisTeller, 2> axes;
@@ -186,7 +191,9 @@ bool tell_texcoords(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh
 }
 
 template <class Side>
-bool tell_colors(Side& side, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
+bool tell_colors(Side& given, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
+  AtHand<Side> hand(given);
+  Side& side = hand.get();
   constexpr uint32_t kFarther = NibbleModel::kSymbols - 1;
   std::vector<uint32_t> palette;
   if constexpr (Side::kPuts) palette = palette_of(mesh.colors);

@@ -196,7 +196,6 @@ template <class Side>
 void PlaceTeller<Side>::tell_all(std::span<const PlaceKin> kin, const std::vector<Place>& wanted) {
   AtHand<Side> hand(side_);
   for (size_t i = 0; i < kin.size(); ++i) tell(hand.get(), kin[i], Side::kPuts ? wanted[i] : Place());
-  hand.lay_back();
 }
 
 }  // namespace promenade

@@ -83,14 +83,15 @@ class TriangleGrower {
   Gap gap_of(const OpenEdge& edge) const;
   uint32_t likely_third(const OpenEdge& edge, uint32_t way, uint32_t place) const;
   Wish wish_beyond(const OpenEdge& edge, const Gap& gap);
-  bool tell_third(const OpenEdge& edge, const Gap& gap, uint32_t wanted, uint32_t& place);
-  bool tell_corners(const Wish& wish, size_t known, Corners& v, uint32_t& like);
+  bool tell_third(AtHand<Side>& hand, const OpenEdge& edge, const Gap& gap, uint32_t wanted, uint32_t& place);
+  bool tell_others(const Wish& wish, size_t known, uint32_t others, Corners& v, uint32_t& like);
+  bool tell_corners(AtHand<Side>& hand, const Wish& wish, size_t known, Corners& v, uint32_t& like);
   uint32_t add_edge(const Corners& v, size_t first, uint32_t from_place, uint32_t to_place);
   void add_triangle(const Corners& v);
   void add_gap(const OpenEdge& edge, uint32_t place, const Corners& v);
   void close_gap(const OpenEdge& edge, const Gap& gap, uint32_t way, const Corners& v);
   void split(const OpenEdge& edge, uint32_t place, const Corners& v);
-  bool grow_beyond(const OpenEdge& edge);
+  bool grow_beyond(AtHand<Side>& hand, const OpenEdge& edge);
 
   Side& side_;
   GrownSource* source_;
@@ -117,11 +118,19 @@ bool TriangleGrower<Side>::grow_run(size_t triangles) {
   border_.clear();
   ways_before_ = had_others_ = 0;
   const size_t end = corners_ + 3 * triangles;
+  AtHand<Side> hand(side_);
   while (corners_ < end) {
     OpenEdge edge;
     border_.make_room();
-    if (!(border_.take(edge) ? grow_beyond(edge) : begin_part())) return false;
-    if (side_.is_broken()) return false;
+    if (border_.take(edge)) {
+      if (!grow_beyond(hand, edge)) return false;
+    } else {
+      hand.lay_back();
+      const bool began = begin_part();
+      hand.take_up();
+      if (!began) return false;
+    }
+    if (hand.get().is_broken()) return false;
   }
   return true;
 }
@@ -277,21 +286,31 @@ typename TriangleGrower<Side>::Wish TriangleGrower<Side>::wish_beyond(const Open
 
 /// The place of a third corner that is known but not linked to the edge.
 template <class Side>
-bool TriangleGrower<Side>::tell_third(const OpenEdge& edge, const Gap& gap, uint32_t wanted, uint32_t& place) {
-  const uint32_t back = tell_number(side_, back_models_[1], places_ - 1 - wanted);
+[[gnu::always_inline]] inline bool TriangleGrower<Side>::tell_third(AtHand<Side>& hand, const OpenEdge& edge,
+                                                                    const Gap& gap, uint32_t wanted, uint32_t& place) {
+  const uint32_t back = tell_number(hand.get(), back_models_[1], places_ - 1 - wanted);
   if (back >= places_) return false;
   place = places_ - 1 - back;
   // Those would be linked to it, or collapse it.
   return place != edge.from_place && place != edge.to_place && place != gap.ahead && place != gap.behind;
 }
 
-/// Which of the first `known` corners are other vertices than the likely ones in v, and which.
 template <class Side>
-bool TriangleGrower<Side>::tell_corners(const Wish& wish, size_t known, Corners& v, uint32_t& like) {
-  const uint32_t others = side_.tell(corner_models_[known - 2], wish.others);
+bool TriangleGrower<Side>::tell_others(const Wish& wish, size_t known, uint32_t others, Corners& v, uint32_t& like) {
   for (size_t i = 0; i < known; ++i)
     if ((others >> i & 1U) != 0 && (v[i] = tell_vertex(v[i], like, wish.sources[i])) == kNone) return false;
   return true;
+}
+
+/// Which of the first `known` corners are other vertices than the likely ones in v, and which.
+template <class Side>
+[[gnu::always_inline]] inline bool TriangleGrower<Side>::tell_corners(AtHand<Side>& hand, const Wish& wish,
+                                                                      size_t known, Corners& v, uint32_t& like) {
+  const uint32_t others = hand.get().tell(corner_models_[known - 2], wish.others);
+  hand.lay_back();
+  const bool told = tell_others(wish, known, others, v, like);
+  hand.take_up();
+  return told;
 }
 
 /// The triangle's edge that begins at its corner `first`, linked to nothing.
@@ -355,12 +374,12 @@ void TriangleGrower<Side>::split(const OpenEdge& edge, uint32_t place, const Cor
 }
 
 template <class Side>
-[[gnu::always_inline]] inline bool TriangleGrower<Side>::grow_beyond(const OpenEdge& edge) {
+[[gnu::always_inline]] inline bool TriangleGrower<Side>::grow_beyond(AtHand<Side>& hand, const OpenEdge& edge) {
   const Gap gap = gap_of(edge);
   Wish wish;
   if constexpr (Side::kPuts) wish = wish_beyond(edge, gap);
   NibbleModel& model = way_models_[(had_others_ * kGaps + gap.kind) * kWays * kWays + ways_before_];
-  const uint32_t told = side_.tell(model, wish.others == 0 ? wish.way : wish.way + kOtherCorners);
+  const uint32_t told = hand.get().tell(model, wish.others == 0 ? wish.way : wish.way + kOtherCorners);
   had_others_ = told < kWays ? 0 : 1;
   const uint32_t way = told - had_others_ * kOtherCorners;
   if (way >= kWays || (kPossible[gap.kind] >> way & 1U) == 0) return false;
@@ -372,16 +391,16 @@ template <class Side>
   uint32_t place = kNone, like = kNone;
   Corners v{edge.to, edge.from, kNone};
   if (way == kNew) {
-    if (had_others_ != 0 && !tell_corners(wish, 2, v, like)) return false;
+    if (had_others_ != 0 && !tell_corners(hand, wish, 2, v, like)) return false;
     place = add_place(kin_of_three(edge.from_place, edge.to_place, place_of_[edge.across]), wish.sources[2]);
     if (place == kNone) return false;
     const Guess guess = like != kNone ? one_guess(like) : Guess{v[1], v[0], edge.across, 3};
     v[2] = add_vertex(place, guess, kNone, wish.sources[2]);
     add_gap(edge, place, v);
   } else {
-    if (way == kOther && !tell_third(OpenEdge(edge), gap, wish.third, place)) return false;
+    if (way == kOther && !tell_third(hand, OpenEdge(edge), gap, wish.third, place)) return false;
     v[2] = likely_third(edge, way, place);
-    if (had_others_ != 0 && !tell_corners(wish, 3, v, like)) return false;
+    if (had_others_ != 0 && !tell_corners(hand, wish, 3, v, like)) return false;
     if (way == kOther)
       split(OpenEdge(edge), place, v);
     else

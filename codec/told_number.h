@@ -59,8 +59,8 @@ class GetSide {
     return choices_.get(model);
   }
   [[gnu::always_inline]] uint32_t tell_bits(unsigned count, uint32_t /*value*/) { return bits_.get(count); }
-  /// Whether there were too few bytes.
-  bool is_broken() const { return choices_.overrun() || bits_.overrun(); }
+  /// Whether more choices were asked for than there are: a loop need not go on. at_end() knows of bits.
+  bool is_broken() const { return choices_.overrun(); }
   bool at_end() const { return choices_.at_end() && bits_.at_padding(); }
 
  private:
@@ -81,7 +81,8 @@ class GetSide {
   BitReader bits_;
 };
 
-/// A side at hand for a loop: a GetSide's numbers stay in registers meanwhile, as long as its address goes nowhere.
+/// A side at hand for a loop: a GetSide's numbers stay in registers meanwhile, as long as its address goes nowhere, and
+/// are given back at the end.
 template <class Side>
 class AtHand {
  public:
@@ -97,10 +98,13 @@ template <>
 class AtHand<GetSide> {
  public:
   explicit AtHand(GetSide& side) : from_(side), side_(side) {}
+  AtHand(const AtHand&) = delete;
+  AtHand& operator=(const AtHand&) = delete;
+  [[gnu::always_inline]] ~AtHand() { from_ = side_; }
   [[gnu::always_inline]] GetSide& get() { return side_; }
-  /// Before and after the side itself is used by others.
-  void lay_back() { from_ = side_; }
-  void take_up() { side_ = from_; }
+  /// Before and after others use the side itself.
+  [[gnu::always_inline]] void lay_back() { from_ = side_; }
+  [[gnu::always_inline]] void take_up() { side_ = from_; }
 
  private:
   GetSide& from_;
@@ -109,7 +113,7 @@ class AtHand<GetSide> {
 
 /// One of many, all as likely. count: at least 1.
 template <class Side>
-uint32_t tell_one_of(Side& side, uint32_t count, uint32_t value) {
+[[gnu::always_inline]] inline uint32_t tell_one_of(Side& side, uint32_t count, uint32_t value) {
   const auto width = static_cast<unsigned>(std::bit_width(count - 1));
   if (width == 0) return 0;
   const auto few = static_cast<uint32_t>((uint64_t(1) << width) - count);  // so many are told by a bit less
