@@ -29,7 +29,7 @@ struct Sample {
 /// One way of coding: a codec and the grid's width, as a multiple of the stored one.
 struct Way {
   std::string name;
-  GeometryCodec codec = GeometryCodec::meshopt;
+  GeometryCodec codec = GeometryCodec::grown;
   float steps = 1;
 };
 

@@ -23,7 +23,7 @@ constexpr bool has_fine_grid(GeometryCodec codec) {
 }
 
 struct GeometryEncodeOptions {
-  GeometryCodec codec = GeometryCodec::meshopt;
+  GeometryCodec codec = GeometryCodec::grown;
   /// Grid on which positions are rounded, in metres: a power of two, > 0. All nodes of equal step share one grid
   /// (through the model's origin), so that points that coincide stay together. nullopt: keep the floats as they are.
   std::optional<float> position_step_m;

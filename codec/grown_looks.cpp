@@ -27,6 +27,7 @@ uint32_t normal_source(const VertexKin& kin, uint32_t vertex, uint8_t kind) {
 
 uint8_t normal_kind(const std::vector<glm::i16vec2>& normals, const VertexKin& kin, uint32_t v,
                     const glm::i16vec2& foretold) {
+  if (normals[v] == kNoNormal) return kNoNormalKind;
   if (normals[v] == foretold) return kForetold;
   for (uint8_t kind = kTwin; kind < kTold; ++kind)
     if (const uint32_t source = normal_source(kin, v, kind); source != kNone && normals[source] == normals[v])
@@ -89,6 +90,13 @@ template <class Side>
   return true;
 }
 
+/// Which of four vertices, the first the lowest bit, have twins.
+uint32_t twins_from(uint32_t first, const std::vector<VertexKin>& kin) {
+  uint32_t twins = 0;
+  for (uint32_t i = 0; i < 4 && first + i < kin.size(); ++i) twins |= kin[first + i].twin != kNone ? 1U << i : 0U;
+  return twins;
+}
+
 /// Which of four vertices, the first the lowest bit, are not coloured like their likely vertex.
 uint32_t others_from(uint32_t first, const std::vector<VertexKin>& kin, const std::vector<glm::u8vec4>& colors) {
   uint32_t others = 0;
@@ -99,48 +107,63 @@ uint32_t others_from(uint32_t first, const std::vector<VertexKin>& kin, const st
   return others;
 }
 
+/// Of all vertices, in order; a PutSide's are given. False: there is none like that.
+template <class Side>
+bool tell_normal_kinds(Side& given, const std::vector<VertexKin>& kin, std::vector<uint8_t>& kinds) {
+  AtHand<Side> hand(given);
+  Side& side = hand.get();
+  std::array<NibbleModel, 16> none_models;                // which of four vertices have none, by which of the last four
+  std::array<std::array<NibbleModel, 3>, 2> kind_models;  // by whether there is a twin, and what the likely vertex has
+  const auto count = static_cast<uint32_t>(kin.size());
+  uint32_t without = 0;
+  for (uint32_t first = 0; first < count; first += 4) {
+    const uint32_t last = std::min(first + 4, count);
+    uint32_t wanted = 0;
+    if constexpr (Side::kPuts)
+      for (uint32_t v = first; v < last; ++v) wanted |= kinds[v] == kNoNormalKind ? 1U << (v - first) : 0U;
+    without = side.tell(none_models[without], wanted);
+    for (uint32_t v = first; v < last; ++v) {
+      if ((without >> (v - first) & 1U) != 0) {
+        kinds[v] = kNoNormalKind;
+        continue;
+      }
+      const uint32_t like = like_of(kin[v]);
+      const size_t likely = like == kNone ? 0 : kinds[like] == kNoNormalKind ? 1 : 2;
+      kinds[v] = static_cast<uint8_t>(side.tell(kind_models[kin[v].twin != kNone ? 1 : 0][likely], kinds[v]));
+      if (kinds[v] > kTold) return false;
+    }
+    if (side.is_broken()) return false;
+  }
+  return true;
+}
+
+/// What the triangles around let expect of those vertices whose normal is of that kind, or told.
+std::vector<glm::i16vec2> foretold_normals(const QuantizedMesh& mesh, const std::vector<uint8_t>& kinds) {
+  if (!mesh.on_grid) return std::vector<glm::i16vec2>(kinds.size());  // bits of floats have no crosses
+  std::vector<uint8_t> is_wanted(kinds.size());
+  for (size_t v = 0; v < kinds.size(); ++v) is_wanted[v] = kinds[v] == kForetold || kinds[v] == kTold ? 1 : 0;
+  return normals_by_angle(mesh, is_wanted);
+}
+
 }  // namespace
 
 template <class Side>
 bool tell_normals(Side& given, const std::vector<VertexKin>& kin, QuantizedMesh& mesh) {
+  std::vector<uint8_t> kinds(kin.size(), kTold);
+  std::vector<glm::i16vec2> foretold;
+  if constexpr (Side::kPuts) {
+    for (uint32_t v = 0; v < kinds.size(); ++v)
+      if (mesh.normals[v] == kNoNormal) kinds[v] = kNoNormalKind;
+    foretold = foretold_normals(mesh, kinds);
+    for (uint32_t v = 0; v < kinds.size(); ++v) kinds[v] = normal_kind(mesh.normals, kin[v], v, foretold[v]);
+  }
+  if (!tell_normal_kinds(given, kin, kinds)) return false;
+  if constexpr (!Side::kPuts) foretold = foretold_normals(mesh, kinds);
   AtHand<Side> hand(given);
   Side& side = hand.get();
-  const auto count = static_cast<uint32_t>(kin.size());
-  std::vector<uint8_t> kinds(count), is_wanted(count, 1);
-  std::vector<glm::i16vec2> foretold;
-  if constexpr (Side::kPuts)
-    for (uint32_t v = 0; v < count; ++v) is_wanted[v] = mesh.normals[v] != kNoNormal ? 1 : 0;
-  const auto foretell = [&] {
-    if (mesh.on_grid) foretold = normals_by_angle(mesh, is_wanted);
-    foretold.resize(count);
-  };
-  if constexpr (Side::kPuts) foretell();
-  std::array<NibbleModel, 16> none_models;                // which of four vertices have none, by which of the last four
-  std::array<std::array<NibbleModel, 3>, 2> kind_models;  // by whether there is a twin, and what the likely vertex has
-  mesh.normals.resize(count);
-  uint32_t without = 0;
-  for (uint32_t v = 0; v < count; ++v) {
-    if (v % 4 == 0) {
-      uint32_t wanted = 0;
-      if constexpr (Side::kPuts)
-        for (uint32_t i = 0; i < 4 && v + i < count; ++i) wanted |= is_wanted[v + i] == 0 ? 1U << i : 0U;
-      without = side.tell(none_models[without], wanted);
-    }
-    if ((without >> (v % 4) & 1U) != 0) {
-      kinds[v] = kNoNormalKind;
-      is_wanted[v] = 0;
-      continue;
-    }
-    const uint32_t like = like_of(kin[v]);
-    if constexpr (Side::kPuts) kinds[v] = normal_kind(mesh.normals, kin[v], v, foretold[v]);
-    const size_t likely = like == kNone ? 0 : kinds[like] == kNoNormalKind ? 1 : 2;
-    kinds[v] = static_cast<uint8_t>(side.tell(kind_models[kin[v].twin != kNone ? 1 : 0][likely], kinds[v]));
-    if (kinds[v] > kTold) return false;
-    is_wanted[v] = kinds[v] == kForetold || kinds[v] == kTold ? 1 : 0;
-  }
-  if constexpr (!Side::kPuts) foretell();
   PairModels models;
-  for (uint32_t v = 0; v < count && !side.is_broken(); ++v) {
+  mesh.normals.resize(kinds.size());
+  for (uint32_t v = 0; v < kinds.size(); ++v) {
     glm::i16vec2& normal = mesh.normals[v];
     if (kinds[v] == kNoNormalKind) {
       normal = kNoNormal;
@@ -152,6 +175,7 @@ bool tell_normals(Side& given, const std::vector<VertexKin>& kin, QuantizedMesh&
           side, models, {folded(difference(normal.x, from.x), false), folded(difference(normal.y, from.y), false)});
       for (int i = 0; i < 2; ++i)
         normal[i] = static_cast<int16_t>((static_cast<uint32_t>(from[i]) + unfolded(told[size_t(i)])) & 0xffffU);
+      if (side.is_broken()) return false;
     } else {
       const uint32_t source = normal_source(kin[v], v, kinds[v]);
       if (source == kNone) return false;
@@ -200,12 +224,13 @@ bool tell_colors(Side& given, const std::vector<VertexKin>& kin, QuantizedMesh& 
   if (!tell_palette(side, kin.size(), palette)) return false;
   const auto colors = static_cast<uint32_t>(palette.size());
   mesh.colors.resize(kin.size());
-  std::array<NibbleModel, 16> other_models;  // of four vertices, by which of the four before do not
+  std::array<NibbleModel, 16> other_models;  // of four vertices, by which of them have twins
   std::array<NibbleModel, 2> rank_models;    // by whether there is a twin
   Recent recent;                             // places in the palette
   uint32_t others = 0;                       // which of four vertices do not look like their likely one
   for (uint32_t v = 0; v < kin.size() && !side.is_broken(); ++v) {
-    if (v % 4 == 0) others = side.tell(other_models[others], Side::kPuts ? others_from(v, kin, mesh.colors) : 0);
+    if (v % 4 == 0)
+      others = side.tell(other_models[twins_from(v, kin)], Side::kPuts ? others_from(v, kin, mesh.colors) : 0);
     if ((others >> (v % 4) & 1U) == 0) {
       const uint32_t like = like_of(kin[v]);
       if (like == kNone) return false;
