@@ -309,6 +309,8 @@ EncodedMesh assembled_grown(Header header, const QuantizedMesh& mesh) {
 }
 
 Result<Mesh> mesh_of_grown(const Header& header, std::span<const std::byte> payload) {
+  if (header.vertices > uint64_t(header.triangles) * 3)
+    return Error{fmt::format("mesh: {} vertices for {} triangles", header.vertices, header.triangles)};
   VarintReader reader(payload);
   QuantizedMesh mesh = empty_mesh(header);
   if (mesh.on_grid)
