@@ -10,6 +10,10 @@
 namespace promenade {
 namespace {
 
+/// No choice is surer than 16376 to 8 of 16384, and each triangle takes three such ones or one of 16354 to 30: so many
+/// cannot be told in a byte. What is allocated is bounded by the bytes that there are.
+constexpr size_t kMostTrianglesAByte = 8192;
+
 template <class T>
 std::vector<T> in_order(const std::vector<T>& values, const std::vector<uint32_t>& sources) {
   std::vector<T> out;
@@ -66,6 +70,8 @@ GrownMesh encode_grown(const QuantizedMesh& mesh) {
 
 Status decode_grown(std::span<const std::byte> bytes, size_t vertices, size_t triangles, bool normals, bool texcoords,
                     bool colors, QuantizedMesh& mesh) {
+  if (triangles / kMostTrianglesAByte > bytes.size())
+    return Error{fmt::format("mesh: {} triangles in {} bytes", triangles, bytes.size())};
   GetSide side(bytes);
   TriangleGrower<GetSide> grower(side, vertices, triangles, nullptr);
   for (const MaterialRun& run : mesh.runs)

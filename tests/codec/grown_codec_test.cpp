@@ -192,6 +192,21 @@ TEST(GrownCodec, refuses_fewer_and_more_vertices_than_there_are) {
   }
 }
 
+TEST(GrownCodec, refuses_more_triangles_than_its_bytes_can_tell_before_allocating) {
+  QuantizedMesh like, back;
+  like.runs = {{0, 1U << 30U}};
+  const std::vector<std::byte> bytes(5000);
+  EXPECT_FALSE(decode_grown(bytes, 1U << 31U, 1U << 30U, true, true, true, like).ok());
+  EXPECT_TRUE(like.indices.empty());
+  // The surest that there are: as many as no byte tells, of one kind.
+  QuantizedMesh mesh;
+  mesh.on_grid = true;
+  mesh.positions = {{0, 0, 0}, {7, 0, 0}, {0, 9, 1}};
+  for (uint32_t i = 0; i < 400000; ++i) mesh.indices.insert(mesh.indices.end(), {0, 1, 2});
+  tidy(mesh, std::vector<uint32_t>(400000));
+  EXPECT_TRUE(decode(encode_grown(mesh).bytes, mesh, back).ok());
+}
+
 /// What a decoder may return of any bytes: indices of vertices that there are.
 bool is_whole(const QuantizedMesh& mesh, const QuantizedMesh& like) {
   return mesh.positions.size() == like.positions.size() && mesh.indices.size() == like.indices.size() &&
