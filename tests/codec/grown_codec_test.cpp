@@ -10,7 +10,7 @@
 #include <random>
 #include <tuple>
 
-#include "codec/geometry_codec.h"
+#include "tests/codec/grown_slow_decoder.h"
 #include "tests/codec/mesh_fixtures.h"
 
 namespace promenade {
@@ -55,7 +55,7 @@ Status decode(std::span<const std::byte> bytes, const QuantizedMesh& like, Quant
                       !like.texcoords.empty(), !like.colors.empty(), out);
 }
 
-/// Tidies the mesh, codes it and expects it back.
+/// Tidies the mesh, codes it and expects it back, also from the decoder that was written from the format.
 void expect_back(QuantizedMesh mesh, const std::string& name, const std::vector<uint32_t>& materials = {}) {
   std::vector<uint32_t> given = materials;
   given.resize(mesh.indices.size() / 3);
@@ -66,6 +66,10 @@ void expect_back(QuantizedMesh mesh, const std::string& name, const std::vector<
   const Status status = decode(grown.bytes, mesh, back);
   ASSERT_TRUE(status.ok()) << name << ": " << status.error().message;
   EXPECT_EQ(triangles_of(back), triangles_of(mesh)) << name;
+  const SlowGrownDecoder slow(grown.bytes, without_arrays(mesh), !mesh.normals.empty(), !mesh.texcoords.empty(),
+                              !mesh.colors.empty());
+  EXPECT_TRUE(slow.is_at_end()) << name;
+  EXPECT_EQ(triangles_of(slow.mesh()), triangles_of(mesh)) << name;
 }
 
 /// Triangles between few places, so that every edge has many and every place lies in many parts.
@@ -161,6 +165,12 @@ TEST(GrownCodec, returns_bits_of_any_floats_and_numbers_of_32_bits) {
   mesh.on_grid = true;
   mesh.fine_bits = 8;
   expect_back(mesh, "grid");
+}
+
+TEST(GrownCodec, returns_meshes_as_they_are_quantised) {
+  for (const auto& [name, mesh] : mesh_fixtures())
+    for (const int fine_bits : {0, 4})
+      expect_back(*quantize(mesh, 1.0F / 256, fine_bits, int64_t(1) << 28), name, mesh.materials);
 }
 
 TEST(GrownCodec, returns_no_triangles) {
