@@ -49,29 +49,29 @@ class SlowGrownDecoder {
   // ---- choices and bits
 
   enum Asked : uint32_t {
-    kWay,
-    kOthersOfTwo,
-    kOthersOfThree,
-    kWhichVertex,
-    kFarVertex,
-    kFarPlace,
-    kBeginPlace,
-    kIsNew,
-    kIsNotLatest,
-    kFine,
-    kLike,
-    kKind,
-    kRank,
-    kValueRank,
-    kSign,
-    kWidth,
-    kNone,
-    kNormalKind,
-    kFirst,
-    kSecond,
-    kPalette,
-    kOthers,
-    kColor
+    ask_way,
+    ask_others_of_two,
+    ask_others_of_three,
+    ask_which_vertex,
+    ask_far_vertex,
+    ask_far_place,
+    ask_begin_place,
+    ask_is_new,
+    ask_is_not_latest,
+    ask_fine,
+    ask_like,
+    ask_kind,
+    ask_rank,
+    ask_value_rank,
+    ask_sign,
+    ask_width,
+    ask_none,
+    ask_normal_kind,
+    ask_first,
+    ask_second,
+    ask_palette,
+    ask_others,
+    ask_color
   };
   using Key = std::array<uint32_t, 7>;
   struct Two {
@@ -162,8 +162,8 @@ class SlowGrownDecoder {
   }
   uint32_t other_vertex(uint32_t likely, uint32_t& newest) {
     const uint32_t at = place(likely);
-    const uint32_t told = latest(at, likely, 1) == kNobody ? 0 : sixteen({kWhichVertex});
-    if (told == 15) return uint32_t(place_of_.size()) - 1 - count({kFarVertex});
+    const uint32_t told = latest(at, likely, 1) == kNobody ? 0 : sixteen({ask_which_vertex});
+    if (told == 15) return uint32_t(place_of_.size()) - 1 - count({ask_far_vertex});
     if (told > 0) return latest(at, likely, told);
     return newest = new_vertex(at, {1, newest != kNobody ? newest : likely, 0, 0, likely});
   }
@@ -180,7 +180,7 @@ class SlowGrownDecoder {
     uint32_t newest = place_of_.empty() ? kNobody : uint32_t(place_of_.size()) - 1;
     for (uint32_t i = 0; i < 3; ++i) {
       const auto n = uint32_t(likely_.size());
-      if (two({kIsNew, i}) != 0) {
+      if (two({ask_is_new, i}) != 0) {
         Likely likely{0, n + 2, n + 1, n};
         if (i > 0) {
           likely = {1, place(v[i - 1]) + 3, n + 2, n + 1};
@@ -189,8 +189,8 @@ class SlowGrownDecoder {
         v[i] = newest = new_vertex(new_place(likely), {newest != kNobody ? 1U : 0U, newest});
         continue;
       }
-      v[i] = latest(n - 1 - count({kBeginPlace}), kNobody, 1);
-      if (two({kIsNotLatest, i}) != 0) v[i] = other_vertex(v[i], newest);
+      v[i] = latest(n - 1 - count({ask_begin_place}), kNobody, 1);
+      if (two({ask_is_not_latest, i}) != 0) v[i] = other_vertex(v[i], newest);
     }
     mesh_.indices.insert(mesh_.indices.end(), v.begin(), v.end());
     const uint32_t a = push(v[0], v[1], v[2]), b = push(v[1], v[2], v[0]), c = push(v[2], v[0], v[1]);
@@ -214,7 +214,7 @@ class SlowGrownDecoder {
       if (e.before != kNobody && place(border_[e.before].u) != q) behind = place(border_[e.before].u);
       uint32_t kind = (ahead != kNobody ? 1U : 0U) + (behind != kNobody ? 2U : 0U);
       if (kind == 3 && ahead == behind) kind = 4;
-      uint32_t way = sixteen({kWay, was_other, kind, before_last, last});
+      uint32_t way = sixteen({ask_way, was_other, kind, before_last, last});
       was_other = way > 4 ? 1 : 0;
       way -= 4 * was_other;
       before_last = last, last = way;
@@ -229,9 +229,9 @@ class SlowGrownDecoder {
     uint32_t v = e.v, u = e.u, w = kNobody, newest = kNobody;
     if (way == 2) w = border_[e.next].v;
     if (way == 3) w = border_[e.before].u;
-    if (way == 4) w = latest(uint32_t(likely_.size()) - 1 - count({kFarPlace}), kNobody, 1);
+    if (way == 4) w = latest(uint32_t(likely_.size()) - 1 - count({ask_far_place}), kNobody, 1);
     if (has_others) {
-      const uint32_t others = sixteen({way == 1 ? kOthersOfTwo : kOthersOfThree});
+      const uint32_t others = sixteen({way == 1 ? ask_others_of_two : ask_others_of_three});
       if ((others & 1U) != 0) v = other_vertex(v, newest);
       if ((others & 2U) != 0) u = other_vertex(u, newest);
       if (way != 1 && (others & 4U) != 0) w = other_vertex(w, newest);
@@ -285,17 +285,17 @@ class SlowGrownDecoder {
     List &sizes = lists_[{what, 0}], &values = lists_[{what, 1}];
     uint32_t off = 0;
     if (kind == 5) {
-      const uint32_t rank = sixteen({kValueRank, what}), value = values[rank];
+      const uint32_t rank = sixteen({ask_value_rank, what}), value = values[rank];
       to_front(values, rank, value);
       return value - expected;
     }
     if (kind == 4) {
-      const uint32_t rank = sixteen({kRank, what});
+      const uint32_t rank = sixteen({ask_rank, what});
       off = sizes[rank];
       to_front(sizes, rank, off);
-      if (two({kSign, what}) != 0) off = 0 - off;
+      if (two({ask_sign, what}) != 0) off = 0 - off;
     } else {
-      off = from_folded((kind == 15 ? count({kWidth, what}) : low_bits(kind - 1)) + 1) << shift;
+      off = from_folded((kind == 15 ? count({ask_width, what}) : low_bits(kind - 1)) + 1) << shift;
       to_front(sizes, 15, std::min(off, 0 - off));
     }
     const auto known = std::find(values.begin(), values.end(), expected + off);
@@ -318,7 +318,7 @@ class SlowGrownDecoder {
       const uint32_t family = mesh_.on_grid ? likely.family : std::min(likely.family, 1U);
       const std::array<uint32_t, 3> three{likely.a, likely.b, likely.c};
       uint32_t fine = 0;
-      if (mesh_.fine_bits > 0) fine = two({kFine, family, at_place_[three[0]][3], at_place_[three[1]][3]});
+      if (mesh_.fine_bits > 0) fine = two({ask_fine, family, at_place_[three[0]][3], at_place_[three[1]][3]});
       const uint32_t shift = fine != 0 ? 0U : mesh_.fine_bits;
       std::array<std::array<uint32_t, 3>, 4> slots{};
       for (size_t i = 0; i < 3; ++i) {
@@ -334,7 +334,7 @@ class SlowGrownDecoder {
       uint32_t same = 0;
       if (twin != after.end()) {
         found = traces[twin->second];
-        same = sixteen({kLike, by_three, same_before}) & 7U;
+        same = sixteen({ask_like, by_three, same_before}) & 7U;
       }
       same_before = same;
       std::array<uint32_t, 3> kinds{};
@@ -342,7 +342,7 @@ class SlowGrownDecoder {
       for (uint32_t i = 0; i < 3; ++i) {
         uint32_t kind = found[i].second != 0 ? 4 : found[i].first;
         if ((same >> i & 1U) == 0) {
-          kinds[i] = kind = sixteen({kKind, i, family, fine, before[0], before[1]});
+          kinds[i] = kind = sixteen({ask_kind, i, family, fine, before[0], before[1]});
           found[i] = {kind < 4 ? kind : 0, 0};
         }
         if (i < 2) before[i] = std::min(kind, 4U);
@@ -373,7 +373,7 @@ class SlowGrownDecoder {
       glm::u32vec2 value(0);
       uint32_t before = 5;
       for (uint32_t i = 0; i < 2; ++i) {
-        const uint32_t kind = sixteen({kKind, kWhat + i, std::min(looks.known, 2U), 0, before});
+        const uint32_t kind = sixteen({ask_kind, kWhat + i, std::min(looks.known, 2U), 0, before});
         value[int(i)] = kind == 0 ? expected[int(i)] : kind < 4 ? three[kind - 1][int(i)] : 0;
         if (kind >= 4) value[int(i)] = expected[int(i)] + offset(kWhat + i, kind, expected[int(i)], 0);
         before = std::min(kind, 4U);
@@ -429,10 +429,10 @@ class SlowGrownDecoder {
     std::vector<uint32_t> kinds;
     uint32_t none = 0;
     for (uint32_t v = 0; v < looks_.size(); ++v) {
-      if (v % 4 == 0) none = sixteen({kNone, none});
+      if (v % 4 == 0) none = sixteen({ask_none, none});
       const uint32_t likely = !has_like(v) ? 0 : kinds[looks_[v].a] == kHasNone ? 1 : 2;
       const bool has_none = (none >> v % 4 & 1U) != 0;
-      kinds.push_back(has_none ? kHasNone : sixteen({kNormalKind, looks_[v].twin != kNobody ? 1U : 0U, likely}));
+      kinds.push_back(has_none ? kHasNone : sixteen({ask_normal_kind, looks_[v].twin != kNobody ? 1U : 0U, likely}));
     }
     const std::vector<glm::i16vec2> foretold = foretold_normals();
     for (uint32_t v = 0; v < looks_.size(); ++v) {
@@ -441,10 +441,10 @@ class SlowGrownDecoder {
       if (kinds[v] == 2) n = mesh_.normals[looks_[v].a];
       if (kinds[v] == 3) n = mesh_.normals[v - 1];
       if (kinds[v] == 4) {
-        const uint32_t first = count({kFirst});
+        const uint32_t first = count({ask_first});
         uint32_t width = 0;
         while (width < 7 && first >> width != 0) ++width;
-        const uint32_t second = count({kSecond, width});
+        const uint32_t second = count({ask_second, width});
         n = {int16_t(uint32_t(n.x) + from_folded(first)), int16_t(uint32_t(n.y) + from_folded(second))};
       }
       mesh_.normals.push_back(n);
@@ -456,7 +456,7 @@ class SlowGrownDecoder {
     glm::u8vec4 color(0);
     for (uint32_t k = 0; k < all; ++k) {
       for (uint32_t i = 0; i < 4; ++i) {
-        const uint32_t told = count({kPalette, i});
+        const uint32_t told = count({ask_palette, i});
         color[int(i)] = uint8_t(color[int(i)] + (i == 0 ? told : from_folded(told)));
       }
       palette.push_back(color);
@@ -467,14 +467,14 @@ class SlowGrownDecoder {
       if (v % 4 == 0) {
         uint32_t twins = 0;
         for (uint32_t i = 0; i < 4 && v + i < looks_.size(); ++i) twins |= looks_[v + i].twin != kNobody ? 1U << i : 0U;
-        others = sixteen({kOthers, twins});
+        others = sixteen({ask_others, twins});
       }
       if ((others >> v % 4 & 1U) == 0) {
         const glm::u8vec4 same = mesh_.colors[looks_[v].a];
         mesh_.colors.push_back(same);
         continue;
       }
-      size_t rank = sixteen({kColor, looks_[v].twin != kNobody ? 1U : 0U});
+      size_t rank = sixteen({ask_color, looks_[v].twin != kNobody ? 1U : 0U});
       uint32_t value = list[rank];
       if (rank == 15) {
         uint32_t width = 0;
