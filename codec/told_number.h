@@ -77,7 +77,7 @@ class GetSide {
   GetSide(std::span<const std::byte> bytes, Parts parts)
       : choices_(bytes.subspan(parts.end)), bits_(bytes.subspan(parts.begin, parts.end - parts.begin)) {}
 
-  RansDecoder choices_;
+  RansDecoderOf<RansWay::without_branches> choices_;
   BitReader bits_;
 };
 
