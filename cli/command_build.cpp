@@ -77,7 +77,7 @@ Status run_build(const BuildOptions& options, JobMonitor& monitor, Json& figures
 
 Result<GeometryCodec> parse_codec(const std::string& text) {
   if (const std::optional<GeometryCodec> codec = geometry_codec_named(text)) return *codec;
-  return Error{fmt::format("\"{}\" is no geometry codec: draco, meshopt or raw", text)};
+  return Error{fmt::format("\"{}\" is no geometry codec: grown, meshopt, draco or raw", text)};
 }
 
 Result<CellStyle> parse_cells(const std::string& text) {
@@ -245,8 +245,9 @@ Command add_build(CLI::App& program) {
   app->add_option("--level-factor", options->level_factor,
                   "About how many children a node has: the ratio of triangles between levels")
       ->capture_default_str();
-  add_parsed<GeometryCodec>(*app, "--geometry-codec", options->geometry_codec, parse_codec, "draco, meshopt or raw")
-      ->default_str("meshopt");
+  add_parsed<GeometryCodec>(*app, "--geometry-codec", options->geometry_codec, parse_codec,
+                            "grown, meshopt, draco or raw")
+      ->default_str("grown");
   app->add_option("--max-texture", options->max_texture_px, "Longest side of a stored texture, pixels")
       ->capture_default_str();
   app->add_option("--jpeg-quality", options->jpeg_quality, "Of textures that are coded anew, 1 to 100")

@@ -29,7 +29,7 @@ struct Sample {
 /// One way of coding: a codec and the grid's width, as a multiple of the stored one.
 struct Way {
   std::string name;
-  GeometryCodec codec = GeometryCodec::meshopt;
+  GeometryCodec codec = GeometryCodec::grown;
   float steps = 1;
 };
 
@@ -41,7 +41,7 @@ struct WayFigures {
 
 std::vector<Way> all_ways() {
   std::vector<Way> ways = {{"raw", GeometryCodec::raw, 1}};
-  for (const GeometryCodec codec : {GeometryCodec::meshopt, GeometryCodec::draco})
+  for (const GeometryCodec codec : {GeometryCodec::grown, GeometryCodec::meshopt, GeometryCodec::draco})
     for (const float steps : {0.25F, 0.5F, 1.0F, 2.0F, 4.0F}) {
       const std::string name(name_of(codec));
       ways.push_back({steps == 1 ? name : fmt::format("{}, {} x step", name, steps), codec, steps});

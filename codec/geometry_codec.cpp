@@ -11,8 +11,10 @@
 #include "codec/byte_io.h"
 #include "codec/draco_codec.h"
 #include "codec/frame.h"
+#include "codec/grown_codec.h"
 #include "codec/meshopt_codec.h"
 #include "codec/quantized_mesh.h"
+#include "codec/varint.h"
 
 namespace promenade {
 namespace {
@@ -25,10 +27,10 @@ constexpr uint8_t kHasNormals = 1, kHasTexcoords = 2, kHasColors = 4, kHasMateri
 constexpr uint8_t kAllFlags = 127;
 constexpr int kMaxExponent = 60;
 constexpr int64_t kFarthestBase = int64_t(1) << 53;  // no sum with an offset overflows; encoders stay far below
-constexpr int64_t kMeshoptTexcoordSteps = int64_t(1) << 28;
+constexpr int64_t kTexcoordSteps = int64_t(1) << 28;
 constexpr int64_t kDracoTexcoordSteps = int64_t(1) << 21;  // its predictor for texture coordinates fails above
 
-constexpr std::array<std::string_view, 3> kNames = {"raw", "meshopt", "draco"};
+constexpr std::array<std::string_view, 4> kNames = {"raw", "meshopt", "draco", "grown"};
 
 /// The fixed part before the compressed payload.
 struct Header {
@@ -84,8 +86,8 @@ Result<Header> get_header(ByteReader& reader, uint64_t max_bytes) {
   header.texcoord_exponent = reader.get<int8_t>();
   header.fine_bits = reader.get<uint8_t>();
   const auto reserved = reader.get<uint16_t>();
-  const bool is_fine = header.fine_bits > 0 && header.fine_bits <= kMaxFineBits && header.has(kOnGrid) &&
-                       header.codec == GeometryCodec::meshopt;
+  const bool is_fine =
+      header.fine_bits > 0 && header.fine_bits <= kMaxFineBits && header.has(kOnGrid) && has_fine_grid(header.codec);
   if (header.flags > kAllFlags || (header.has(kByKinds) && header.codec != GeometryCodec::meshopt) || reserved != 0 ||
       (header.has(kFine) ? !is_fine : header.fine_bits != 0))
     return Error{fmt::format("mesh: unknown flags {:#x} or reserved bytes {:#x}", header.flags,
@@ -118,7 +120,7 @@ float bound_m(double distance) {
 
 /// How many bits finer than its grid a mesh is coded.
 int fine_bits_of(const GeometryEncodeOptions& options) {
-  if (options.codec != GeometryCodec::meshopt || !options.position_step_m || !(options.fine_step_m > 0)) return 0;
+  if (!has_fine_grid(options.codec) || !options.position_step_m || !(options.fine_step_m > 0)) return 0;
   return std::clamp(std::ilogb(*options.position_step_m) - std::ilogb(options.fine_step_m), 0, kMaxFineBits);
 }
 
@@ -209,8 +211,8 @@ Status get_runs(ByteReader& reader, const Header& header, QuantizedMesh& mesh) {
   return Done{};
 }
 
-Result<Mesh> mesh_of_quantized(const Header& header, std::span<const std::byte> payload) {
-  ByteReader reader(payload);
+/// A quantised mesh but for its arrays, bases and runs.
+QuantizedMesh empty_mesh(const Header& header) {
   QuantizedMesh mesh;
   mesh.on_grid = header.has(kOnGrid);
   mesh.has_materials = header.has(kHasMaterials);
@@ -218,6 +220,12 @@ Result<Mesh> mesh_of_quantized(const Header& header, std::span<const std::byte> 
   mesh.fine_bits = header.fine_bits;
   mesh.texcoord_exponent = header.texcoord_exponent;
   mesh.by_kinds = header.has(kByKinds);
+  return mesh;
+}
+
+Result<Mesh> mesh_of_quantized(const Header& header, std::span<const std::byte> payload) {
+  ByteReader reader(payload);
+  QuantizedMesh mesh = empty_mesh(header);
   for (int64_t& base : mesh.position_base) base = reader.get<int64_t>();
   for (int64_t& base : mesh.texcoord_base) base = reader.get<int64_t>();
   for (const int64_t base : {mesh.position_base[0], mesh.position_base[1], mesh.position_base[2], mesh.texcoord_base[0],
@@ -235,6 +243,12 @@ Result<Mesh> mesh_of_quantized(const Header& header, std::span<const std::byte> 
     return Error{fmt::format("mesh: decodes to {} vertices and {} indices, its header has {} and {} triangles",
                              mesh.positions.size(), mesh.indices.size(), header.vertices, header.triangles)};
   return dequantize(mesh);
+}
+
+Result<Mesh> checked(Result<Mesh> mesh) {
+  if (!mesh) return mesh;
+  if (const std::string defect = find_defect(*mesh); !defect.empty()) return Error{"mesh: " + defect};
+  return mesh;
 }
 
 Status check_options(const Mesh& mesh, const GeometryEncodeOptions& options) {
@@ -263,6 +277,62 @@ EncodedMesh assembled(const Header& header, std::span<const std::byte> payload, 
   return out;
 }
 
+// ---- grown
+
+void put_signed(std::vector<std::byte>& bytes, int64_t value) {
+  const uint64_t code = (static_cast<uint64_t>(value) << 1U) ^ (value < 0 ? ~uint64_t(0) : 0);
+  put_varint(bytes, static_cast<uint32_t>(code));
+  put_varint(bytes, static_cast<uint32_t>(code >> 32U));
+}
+
+bool get_signed(VarintReader& reader, int64_t& value) {
+  uint32_t low = 0, high = 0;
+  if (!reader.get(low) || !reader.get(high)) return false;
+  const uint64_t code = uint64_t(high) << 32U | low;
+  value = static_cast<int64_t>((code >> 1U) ^ (0 - (code & 1U)));
+  return value <= kFarthestBase && value >= -kFarthestBase;
+}
+
+EncodedMesh assembled_grown(Header header, const QuantizedMesh& mesh) {
+  const GrownMesh grown = encode_grown(mesh);
+  header.vertices = grown.vertices;
+  ByteWriter writer;
+  put_header(writer, header);
+  std::vector<std::byte> bytes = writer.take();
+  if (mesh.on_grid)
+    for (const int64_t base : mesh.position_base) put_signed(bytes, base);
+  if (header.has(kHasTexcoords))
+    for (const int64_t base : mesh.texcoord_base) put_signed(bytes, base);
+  for (const MaterialRun& run : mesh.runs) put_varint(bytes, run.material), put_varint(bytes, run.triangles);
+  bytes.insert(bytes.end(), grown.bytes.begin(), grown.bytes.end());
+  return {std::move(bytes), 0, header.vertices, header.triangles};
+}
+
+Result<Mesh> mesh_of_grown(const Header& header, std::span<const std::byte> payload) {
+  if (header.vertices > uint64_t(header.triangles) * 3)
+    return Error{fmt::format("mesh: {} vertices for {} triangles", header.vertices, header.triangles)};
+  VarintReader reader(payload);
+  QuantizedMesh mesh = empty_mesh(header);
+  if (mesh.on_grid)
+    for (int64_t& base : mesh.position_base)
+      if (!get_signed(reader, base)) return Error{"mesh: the base of its positions is none"};
+  if (header.has(kHasTexcoords))
+    for (int64_t& base : mesh.texcoord_base)
+      if (!get_signed(reader, base)) return Error{"mesh: the base of its texture coordinates is none"};
+  uint64_t triangles = 0;
+  for (uint32_t r = 0; r < header.runs; ++r) {
+    MaterialRun run;
+    if (!reader.get(run.material) || !reader.get(run.triangles))
+      return Error{fmt::format("mesh: material {} of {} is none", r, header.runs)};
+    mesh.runs.push_back(run), triangles += run.triangles;
+  }
+  if (triangles != header.triangles)
+    return Error{fmt::format("mesh: materials of {} triangles, there are {}", triangles, header.triangles)};
+  PROMENADE_TRY(decode_grown(payload.subspan(reader.offset()), header.vertices, header.triangles,
+                             header.has(kHasNormals), header.has(kHasTexcoords), header.has(kHasColors), mesh));
+  return dequantize(mesh);
+}
+
 }  // namespace
 
 std::string_view name_of(GeometryCodec codec) { return kNames[static_cast<size_t>(codec)]; }
@@ -280,10 +350,10 @@ Result<EncodedMesh> encode_mesh(const Mesh& mesh, const GeometryEncodeOptions& o
   if (options.codec == GeometryCodec::raw) {
     out = assembled(header, raw_payload(mesh, options.position_step_m), options.zstd_level);
   } else {
-    const bool meshopt = options.codec == GeometryCodec::meshopt;
+    const bool draco = options.codec == GeometryCodec::draco;
     const int fine_bits = fine_bits_of(options);
     const Result<QuantizedMesh> quantized =
-        quantize(mesh, options.position_step_m, fine_bits, meshopt ? kMeshoptTexcoordSteps : kDracoTexcoordSteps);
+        quantize(mesh, options.position_step_m, fine_bits, draco ? kDracoTexcoordSteps : kTexcoordSteps);
     if (!quantized) return quantized.error();
     header.position_exponent = quantized->position_exponent;
     header.texcoord_exponent = quantized->texcoord_exponent;
@@ -292,9 +362,13 @@ Result<EncodedMesh> encode_mesh(const Mesh& mesh, const GeometryEncodeOptions& o
     header.vertices = static_cast<uint32_t>(quantized->positions.size());
     header.triangles = static_cast<uint32_t>(quantized->indices.size() / 3);
     header.runs = static_cast<uint32_t>(quantized->runs.size());
-    const Result<std::vector<std::byte>> payload = quantized_payload(*quantized, options.codec);
-    if (!payload) return payload.error();
-    out = assembled(header, *payload, options.zstd_level);
+    if (options.codec == GeometryCodec::grown) {
+      out = assembled_grown(header, *quantized);
+    } else {
+      const Result<std::vector<std::byte>> payload = quantized_payload(*quantized, options.codec);
+      if (!payload) return payload.error();
+      out = assembled(header, *payload, options.zstd_level);
+    }
   }
   if (options.position_step_m)
     out.position_error_m =
@@ -320,15 +394,13 @@ Result<Mesh> decode_mesh(std::span<const std::byte> bytes, uint64_t max_bytes) {
   ByteReader reader(bytes);
   const Result<Header> header = get_header(reader, max_bytes);
   if (!header) return header.error();
+  if (header->codec == GeometryCodec::grown) return checked(mesh_of_grown(*header, bytes.subspan(kHeaderBytes)));
   // What is decompressed lies beside the mesh that is decoded from it.
   const Result<std::vector<std::byte>> payload =
       decompress_frame(bytes.subspan(kHeaderBytes), max_bytes - header->mesh_bytes());
   if (!payload) return Error{"mesh: " + payload.error().message};
-  Result<Mesh> mesh =
-      header->codec == GeometryCodec::raw ? mesh_of_raw(*header, *payload) : mesh_of_quantized(*header, *payload);
-  if (!mesh) return mesh;
-  if (const std::string defect = find_defect(*mesh); !defect.empty()) return Error{"mesh: " + defect};
-  return mesh;
+  return checked(header->codec == GeometryCodec::raw ? mesh_of_raw(*header, *payload)
+                                                     : mesh_of_quantized(*header, *payload));
 }
 
 }  // namespace promenade

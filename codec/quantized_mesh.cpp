@@ -94,6 +94,10 @@ void remap_vertices(std::vector<T>& values, const std::vector<uint32_t>& remap, 
 
 /// Numbers vertices by first use in `indices`, one number for all that agree in every attribute.
 void merge_vertices(QuantizedMesh& mesh) {
+  if (mesh.indices.empty()) {  // which meshoptimizer takes for: no indices, vertices in order
+    mesh.positions.clear(), mesh.normals.clear(), mesh.texcoords.clear(), mesh.colors.clear();
+    return;
+  }
   std::vector<meshopt_Stream> streams = {{mesh.positions.data(), sizeof(mesh.positions[0]), sizeof(mesh.positions[0])}};
   const auto add = [&streams](const auto& values) {
     if (!values.empty()) streams.push_back({values.data(), sizeof(values[0]), sizeof(values[0])});

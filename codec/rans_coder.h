@@ -57,10 +57,15 @@ class RansEncoder {
   std::vector<Share> shares_;
 };
 
+/// How a decoder chooses between what is as good as random, whether the state has to be filled above all: with
+/// branches, where few choices cost much, or without them.
+enum class RansWay : uint8_t { with_branches, without_branches };
+
 /// Past the end there are zeros, and overrun() tells of it.
-class RansDecoder {
+template <RansWay kWay>
+class RansDecoderOf {
  public:
-  explicit RansDecoder(std::span<const std::byte> bytes) : at_(bytes.data()), end_(at_ + bytes.size()) {
+  explicit RansDecoderOf(std::span<const std::byte> bytes) : at_(bytes.data()), end_(at_ + bytes.size()) {
     for (size_t k = 0; k < bytes.size() % sizeof(uint32_t); ++k) state_ |= std::to_integer<uint64_t>(*at_++) << 8 * k;
     refill();
   }
@@ -68,10 +73,14 @@ class RansDecoder {
   [[gnu::always_inline]] uint32_t get(BitModel& model) {
     const uint64_t place = state_ & kMask, zero = model.zero<kRansChanceBits>();
     const uint32_t bit = place >= zero ? 1 : 0;
-    if (bit == 0)
+    if constexpr (kWay == RansWay::without_branches) {
+      const uint64_t is_one = 0 - uint64_t(bit), size = (zero ^ is_one) + (is_one & (kMask + 2));  // or the rest
+      state_ = size * (state_ >> kRansChanceBits) + place - (zero & is_one);
+    } else if (bit == 0) {
       state_ = zero * (state_ >> kRansChanceBits) + place;
-    else
+    } else {
       state_ = (kMask + 1 - zero) * (state_ >> kRansChanceBits) + place - zero;
+    }
     model.update(bit);
     refill();
     return bit;
@@ -86,19 +95,30 @@ class RansDecoder {
   }
   /// Whether more was read than there is.
   bool overrun() const { return overrun_; }
+  /// Whether all was read that an encoder put, and nothing else is there.
+  bool at_end() const { return !overrun_ && at_ == end_ && state_ == kLeastRansState; }
 
  private:
   static constexpr uint64_t kMask = (uint64_t(1) << kRansChanceBits) - 1;
 
   [[gnu::always_inline]] void refill() {
-    if (state_ >= kLeastRansState) return;
-    uint32_t word = 0;
-    if (end_ - at_ >= static_cast<std::ptrdiff_t>(sizeof(uint32_t))) {
-      for (unsigned k = 0; k < sizeof(uint32_t); ++k) word |= std::to_integer<uint32_t>(*at_++) << 8 * k;
-    } else {
-      overrun_ = true;
+    if constexpr (kWay == RansWay::with_branches) {
+      if (state_ >= kLeastRansState) return;
     }
-    state_ = state_ << kRansWordBits | word;
+    if (end_ - at_ < static_cast<std::ptrdiff_t>(sizeof(uint32_t))) {
+      refill_at_end();
+      return;
+    }
+    uint64_t word = 0;
+    for (unsigned k = 0; k < sizeof(uint32_t); ++k) word |= std::to_integer<uint64_t>(at_[k]) << 8 * k;
+    const uint64_t is_low = kWay == RansWay::with_branches || state_ < kLeastRansState ? ~uint64_t(0) : 0;
+    state_ = (state_ << (is_low & kRansWordBits)) | (word & is_low);
+    at_ += is_low & sizeof(uint32_t);
+  }
+  void refill_at_end() {
+    if (state_ >= kLeastRansState) return;
+    overrun_ = true;
+    state_ <<= kRansWordBits;
   }
 
   const std::byte* at_;
@@ -106,5 +126,7 @@ class RansDecoder {
   uint64_t state_ = 0;
   bool overrun_ = false;
 };
+
+using RansDecoder = RansDecoderOf<RansWay::with_branches>;
 
 }  // namespace promenade

@@ -28,7 +28,7 @@ struct BuildOptions {
   /// triangles between levels; 2 to 16. [lakhia2004]: 4
   uint32_t level_factor = 3;
   uint32_t chunk_triangles = 0;  ///< about the most triangles of a work unit, 1000 or more; 0: what memory allows
-  GeometryCodec geometry_codec = GeometryCodec::meshopt;
+  GeometryCodec geometry_codec = GeometryCodec::grown;
   uint32_t max_texture_px = 2048;  ///< longest side of a stored texture; 64 to 16384
   int jpeg_quality = 85;
   CellOptions visibility;

@@ -355,7 +355,7 @@ float NodeBuilder::fine_step_of(double step_m) const {
 /// Places where other nodes begin lie on a finer grid: these meet them there, whatever their own error is.
 Status NodeBuilder::encode(const Shown& shown, double step_m, StoredNode& stored, double& error_m) const {
   const Mesh& mesh = shown.mesh;
-  const bool has_exact = options_.codec == GeometryCodec::meshopt && !shown.is_exact.empty();
+  const bool has_exact = has_fine_grid(options_.codec) && !shown.is_exact.empty();
   bool loses = options_.codec != GeometryCodec::raw && loses_surface_on_grid(mesh, static_cast<float>(step_m));
   for (int i = 0; i < kMostHalvings && loses; ++i) {
     step_m /= 2;

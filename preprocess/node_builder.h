@@ -65,7 +65,7 @@ struct NodeSurface {
 
 struct NodeBuilderOptions {
   uint32_t node_triangles = 2000;
-  GeometryCodec codec = GeometryCodec::meshopt;
+  GeometryCodec codec = GeometryCodec::grown;
   float leaf_step_m = 1.0F / 1024;  ///< a power of two: the grid that all leaves share
   int jpeg_quality = 85;
   uint32_t max_atlas_px = 512;  ///< a node is drawn when its error is about a pixel: rarely larger on the screen

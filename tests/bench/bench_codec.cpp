@@ -30,7 +30,7 @@ void BM_encode_mesh(benchmark::State& state) {
   }
   set_figures(state, mesh, bytes);
 }
-BENCHMARK(BM_encode_mesh)->DenseRange(0, 2);
+BENCHMARK(BM_encode_mesh)->DenseRange(0, 3);
 
 void BM_decode_mesh(benchmark::State& state) {
   const Mesh mesh = hills(32);
@@ -41,7 +41,7 @@ void BM_decode_mesh(benchmark::State& state) {
   }
   set_figures(state, mesh, bytes.size());
 }
-BENCHMARK(BM_decode_mesh)->DenseRange(0, 2);
+BENCHMARK(BM_decode_mesh)->DenseRange(0, 3);
 
 }  // namespace
 }  // namespace promenade

@@ -21,7 +21,9 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr std::array kCodecs = {GeometryCodec::raw, GeometryCodec::meshopt, GeometryCodec::draco};
+constexpr std::array kCodecs = {GeometryCodec::raw, GeometryCodec::meshopt, GeometryCodec::draco, GeometryCodec::grown};
+constexpr std::array kQuantizing = {GeometryCodec::meshopt, GeometryCodec::draco, GeometryCodec::grown};
+constexpr std::array kWithFineGrid = {GeometryCodec::meshopt, GeometryCodec::grown};
 
 /// One triangle with all that is known of it, its smallest corner first.
 using Corner = std::array<float, 12>;
@@ -99,9 +101,11 @@ TEST(GeometryCodec, keeps_every_colour_of_few_and_of_many) {
       const auto bits = static_cast<uint32_t>(random());
       c = {bits & 0xffU, (bits >> 8U) & 0xffU, (bits >> 16U) & 0xffU, bits >> 24U};
     }
-    const Result<Mesh> back = decode_mesh(encoded(mesh, GeometryCodec::meshopt, 1.0F / 512).bytes);
-    ASSERT_TRUE(back) << back.error().message;
-    EXPECT_EQ(triangles_of(*back), triangles_of(rounded(mesh, 1.0F / 512)));
+    for (const GeometryCodec codec : kQuantizing) {
+      const Result<Mesh> back = decode_mesh(encoded(mesh, codec, 1.0F / 512).bytes);
+      ASSERT_TRUE(back) << back.error().message;
+      EXPECT_EQ(triangles_of(*back), triangles_of(rounded(mesh, 1.0F / 512))) << name_of(codec);
+    }
   }
 }
 
@@ -114,29 +118,32 @@ Mesh on_two_grids(Mesh mesh, float step_m) {
 
 TEST(GeometryCodec, keeps_what_lies_on_a_finer_grid) {
   constexpr float kStepM = 0.0625F;
-  for (const auto& [name, mesh] : mesh_fixtures()) {
-    const Mesh apart = on_two_grids(mesh, kStepM);
-    const Result<EncodedMesh> out = encode_mesh(apart, {GeometryCodec::meshopt, kStepM, 9, kStepM / 16});
-    ASSERT_TRUE(out) << name << ": " << out.error().message;
-    EXPECT_EQ(out->position_error_m, 0);
-    EXPECT_EQ(position_step_m(out->bytes), kStepM);
-    EXPECT_EQ(fine_step_m(out->bytes), kStepM / 16);
-    const Result<Mesh> back = decode_mesh(out->bytes);
-    ASSERT_TRUE(back) << name << ": " << back.error().message;
-    EXPECT_EQ(triangles_of(*back), triangles_of(rounded(apart, kStepM / 16))) << name;
-    for (size_t n = 0; n < out->bytes.size(); n += out->bytes.size() / 50 + 1)
-      EXPECT_FALSE(decode_mesh(std::span(out->bytes).first(n))) << name << " " << n;
-  }
-  EXPECT_EQ(fine_step_m(encoded(hills(4), GeometryCodec::meshopt, kStepM).bytes), 0);
+  for (const GeometryCodec codec : kWithFineGrid)
+    for (const auto& [name, mesh] : mesh_fixtures()) {
+      const Mesh apart = on_two_grids(mesh, kStepM);
+      const Result<EncodedMesh> out = encode_mesh(apart, {codec, kStepM, 9, kStepM / 16});
+      ASSERT_TRUE(out) << name << ": " << out.error().message;
+      EXPECT_EQ(out->position_error_m, 0);
+      EXPECT_EQ(position_step_m(out->bytes), kStepM);
+      EXPECT_EQ(fine_step_m(out->bytes), kStepM / 16);
+      const Result<Mesh> back = decode_mesh(out->bytes);
+      ASSERT_TRUE(back) << name << ": " << back.error().message;
+      EXPECT_EQ(triangles_of(*back), triangles_of(rounded(apart, kStepM / 16))) << name << " " << name_of(codec);
+      for (size_t n = 0; n < out->bytes.size(); n += out->bytes.size() / 50 + 1)
+        EXPECT_FALSE(decode_mesh(std::span(out->bytes).first(n))) << name << " " << n;
+    }
+  for (const GeometryCodec codec : kWithFineGrid) EXPECT_EQ(fine_step_m(encoded(hills(4), codec, kStepM).bytes), 0);
 }
 
-TEST(GeometryCodec, a_finer_grid_is_at_most_256_times_as_fine_and_of_meshopt_alone) {
+TEST(GeometryCodec, a_finer_grid_is_at_most_256_times_as_fine_and_not_of_raw_or_draco) {
   const Mesh mesh = hills(24);
-  const Result<EncodedMesh> finest = encode_mesh(mesh, {GeometryCodec::meshopt, 1.0F, 9, 1.0F / 4096});
-  ASSERT_TRUE(finest);
-  EXPECT_EQ(fine_step_m(finest->bytes), 1.0F / 256);
-  EXPECT_LT(finest->position_error_m, 1.0F / 256);
-  EXPECT_EQ(triangles_of(*decode_mesh(finest->bytes)), triangles_of(rounded(mesh, 1.0F / 256)));
+  for (const GeometryCodec codec : kWithFineGrid) {
+    const Result<EncodedMesh> finest = encode_mesh(mesh, {codec, 1.0F, 9, 1.0F / 4096});
+    ASSERT_TRUE(finest);
+    EXPECT_EQ(fine_step_m(finest->bytes), 1.0F / 256);
+    EXPECT_LT(finest->position_error_m, 1.0F / 256);
+    EXPECT_EQ(triangles_of(*decode_mesh(finest->bytes)), triangles_of(rounded(mesh, 1.0F / 256)));
+  }
   for (const GeometryCodec codec : {GeometryCodec::raw, GeometryCodec::draco})
     EXPECT_EQ(encode_mesh(mesh, {codec, 1.0F, 9, 1.0F / 16})->bytes, encoded(mesh, codec, 1.0F).bytes);
 }
@@ -194,7 +201,7 @@ TEST(GeometryCodec, drops_triangles_that_rounding_collapses_and_unused_vertices)
   mesh.positions.emplace_back(1.01F, 0, 0);  // rounds to vertex 1
   mesh.positions.emplace_back(9, 9, 9);      // used by nobody
   mesh.indices.insert(mesh.indices.end(), {1, 3, 2});
-  for (const GeometryCodec codec : {GeometryCodec::meshopt, GeometryCodec::draco}) {
+  for (const GeometryCodec codec : kQuantizing) {
     const Result<Mesh> back = decode_mesh(encoded(mesh, codec, 0.5F).bytes);
     ASSERT_TRUE(back) << back.error().message;
     EXPECT_EQ(back->triangle_count(), 1U);
@@ -202,10 +209,20 @@ TEST(GeometryCodec, drops_triangles_that_rounding_collapses_and_unused_vertices)
   }
 }
 
+TEST(GeometryCodec, returns_nothing_where_rounding_collapses_every_triangle) {
+  for (const GeometryCodec codec : kQuantizing) {
+    const EncodedMesh out = encoded(one_triangle(), codec, 1024.0F);
+    EXPECT_EQ(out.triangles, 0U);
+    const Result<Mesh> back = decode_mesh(out.bytes);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->vertex_count(), 0U);
+  }
+}
+
 TEST(GeometryCodec, refuses_a_mesh_too_large_for_the_step) {
   Mesh mesh = one_triangle();
   mesh.positions[1].x = 1025;
-  for (const GeometryCodec codec : {GeometryCodec::meshopt, GeometryCodec::draco}) {
+  for (const GeometryCodec codec : kQuantizing) {
     EXPECT_TRUE(encode_mesh(mesh, {codec, std::ldexp(1.0F, -10), 9}));
     const auto refused = encode_mesh(mesh, {codec, std::ldexp(1.0F, -11), 9});
     ASSERT_FALSE(refused);
@@ -213,8 +230,7 @@ TEST(GeometryCodec, refuses_a_mesh_too_large_for_the_step) {
   }
   EXPECT_TRUE(encode_mesh(mesh, {GeometryCodec::raw, std::ldexp(1.0F, -11), 9}));
   mesh.positions[1].x = 3e38F;
-  for (const GeometryCodec codec : {GeometryCodec::meshopt, GeometryCodec::draco})
-    EXPECT_FALSE(encode_mesh(mesh, {codec, 1.0F, 9}));
+  for (const GeometryCodec codec : kQuantizing) EXPECT_FALSE(encode_mesh(mesh, {codec, 1.0F, 9}));
 }
 
 TEST(GeometryCodec, refuses_steps_that_are_no_powers_of_two_and_meshes_with_defects) {
@@ -228,7 +244,7 @@ TEST(GeometryCodec, refuses_steps_that_are_no_powers_of_two_and_meshes_with_defe
 TEST(GeometryCodec, keeps_far_texture_coordinates_to_a_grid_as_fine_as_floats) {
   Mesh mesh = one_triangle();
   mesh.texcoords = {{0, 0}, {3000.37F, -2}, {1e7F, 5}};
-  for (const GeometryCodec codec : {GeometryCodec::meshopt, GeometryCodec::draco}) {
+  for (const GeometryCodec codec : kQuantizing) {
     const Result<Mesh> back = decode_mesh(encoded(mesh, codec).bytes);
     ASSERT_TRUE(back) << back.error().message;
     double worst = 0;
@@ -236,7 +252,7 @@ TEST(GeometryCodec, keeps_far_texture_coordinates_to_a_grid_as_fine_as_floats) {
     for (size_t c = 0; c < 3; ++c)
       for (size_t i = 6; i < 8; ++i)
         worst = std::max(worst, std::abs(double(triangles[0].second[c][i]) - double(expected[0].second[c][i])));
-    EXPECT_LE(worst, codec == GeometryCodec::meshopt ? 1e7 / double(1 << 28) : 1e7 / double(1 << 20));
+    EXPECT_LE(worst, codec == GeometryCodec::draco ? 1e7 / double(1 << 20) : 1e7 / double(1 << 28));
   }
 }
 
@@ -270,6 +286,7 @@ TEST(DecodeMesh, reads_the_golden_bytes_of_version_3) {
        {std::tuple(GeometryCodec::raw, "mesh_v3_raw.bin", false),
         std::tuple(GeometryCodec::draco, "mesh_v3_draco.bin", false),
         std::tuple(GeometryCodec::meshopt, "mesh_v3_meshopt_kinds.bin", false),
+        std::tuple(GeometryCodec::grown, "mesh_v3_grown.bin", false),
         std::tuple(GeometryCodec::meshopt, "mesh_v3_meshopt.bin", true)}) {  // without flag 64: read, written no more
     if (!is_old) expect_golden(name, encoded(textured_cube(), codec, 0.0009765625F).bytes);
     const Result<Mesh> back = decode_mesh(golden_bytes(name));
@@ -285,7 +302,8 @@ TEST(DecodeMesh, reads_the_golden_bytes_of_two_grids) {
   const Mesh mesh = on_two_grids(hills(4), 0.0625F);
   expect_golden("mesh_v3_meshopt_fine_kinds.bin",
                 encode_mesh(mesh, {GeometryCodec::meshopt, 0.0625F, 9, 0.0625F / 16})->bytes);
-  for (const char* name : {"mesh_v3_meshopt_fine_kinds.bin", "mesh_v3_meshopt_fine.bin"}) {
+  expect_golden("mesh_v3_grown_fine.bin", encode_mesh(mesh, {GeometryCodec::grown, 0.0625F, 9, 0.0625F / 16})->bytes);
+  for (const char* name : {"mesh_v3_meshopt_fine_kinds.bin", "mesh_v3_meshopt_fine.bin", "mesh_v3_grown_fine.bin"}) {
     const Result<Mesh> back = decode_mesh(golden_bytes(name));
     ASSERT_TRUE(back) << name << ": " << back.error().message;
     EXPECT_EQ(triangles_of(*back), triangles_of(rounded(mesh, 0.0625F / 16))) << name;
@@ -389,7 +407,7 @@ TEST(DecodeMesh, rejects_another_magic_version_codec_or_flag) {
   };
   EXPECT_THAT(message_with(0, 'X'), HasSubstr("not 48534d50"));
   EXPECT_THAT(message_with(4, 2), HasSubstr("version 2, this program reads 3"));
-  EXPECT_THAT(message_with(5, 3), HasSubstr("unknown codec 3"));
+  EXPECT_THAT(message_with(5, 4), HasSubstr("unknown codec 4"));
   EXPECT_THAT(message_with(6, 32), HasSubstr("unknown flags"));
   EXPECT_THAT(message_with(6, 128), HasSubstr("unknown flags"));
   std::vector<std::byte> raw = encoded(one_triangle(), GeometryCodec::raw).bytes;
@@ -404,14 +422,25 @@ TEST(DecodeMesh, rejects_counts_beyond_the_limit_before_allocating) {
   EXPECT_FALSE(decode_mesh(bytes, 90));
   for (size_t i = 8; i < 16; ++i) bytes[i] = std::byte{0xff};
   EXPECT_THAT(decode_mesh(bytes).error().message, HasSubstr("at most 1073741824 are allowed"));
+  std::vector<std::byte> grown = encoded(one_triangle(), GeometryCodec::grown).bytes;
+  grown[10] = std::byte{2};  // 131,075 vertices of a triangle
+  EXPECT_THAT(decode_mesh(grown).error().message, HasSubstr("131075 vertices for 1 triangles"));
 }
 
 /// Packs a changed payload anew, so that changes reach the decoders behind the frame.
-std::vector<std::byte> with_payload(const std::vector<std::byte>& mesh, std::span<const std::byte> payload) {
+std::vector<std::byte> with_payload(const std::vector<std::byte>& mesh, std::span<const std::byte> payload,
+                                    GeometryCodec codec = GeometryCodec::meshopt) {
   std::vector<std::byte> bytes(mesh.begin(), mesh.begin() + 24);
-  const std::vector<std::byte> frame = compress_frame(payload, 1);
-  bytes.insert(bytes.end(), frame.begin(), frame.end());
+  std::vector<std::byte> packed(payload.begin(), payload.end());
+  if (codec != GeometryCodec::grown) packed = compress_frame(payload, 1);
+  bytes.insert(bytes.end(), packed.begin(), packed.end());
   return bytes;
+}
+
+/// What follows the header, unpacked where it is packed.
+std::vector<std::byte> payload_of(const std::vector<std::byte>& mesh, GeometryCodec codec) {
+  const auto rest = std::span(mesh).subspan(24);
+  return codec == GeometryCodec::grown ? std::vector(rest.begin(), rest.end()) : *decompress_frame(rest, 1U << 24U);
 }
 
 /// Where the vertices' part of a meshopt payload begins: behind the bases, a run a material and the connectivity.
@@ -466,13 +495,13 @@ TEST(DecodeMesh, survives_random_changes_of_header_and_payload) {
          {std::pair(textured_cube(), 0.0F), std::pair(hills(6), 0.0F), std::pair(hills(6), 0.0009765625F / 16),
           std::pair(hills_of_many_materials(), 0.0F)}) {
       const std::vector<std::byte> sound = encode_mesh(mesh, {codec, 0.0009765625F, 9, fine_step_m})->bytes;
-      const std::vector<std::byte> payload = *decompress_frame(std::span(sound).subspan(24), 1U << 24U);
+      const std::vector<std::byte> payload = payload_of(sound, codec);
       for (int round = 0; round < 150; ++round) {
         std::vector<std::byte> changed = payload;
         if (round % 5 == 0) changed.resize(random() % changed.size());
         for (int change = 0; change < 1 + round % 4 && !changed.empty(); ++change)
           changed[random() % changed.size()] = static_cast<std::byte>(random());
-        std::vector<std::byte> bytes = with_payload(sound, changed);
+        std::vector<std::byte> bytes = with_payload(sound, changed, codec);
         if (round % 3 == 0) bytes[random() % 24] = static_cast<std::byte>(random());
         const Result<Mesh> back = decode_mesh(bytes, 1U << 22U);
         if (back) {
