@@ -24,7 +24,7 @@ namespace {
 
 constexpr uint64_t kHidersPart = 2;  // of the memory: nothing else of a build is in it by then
 
-constexpr uint32_t kUnitsVersion = 17;  // of the work units' content: a change makes builds begin anew
+constexpr uint32_t kUnitsVersion = 18;  // of the work units' content: a change makes builds begin anew
 
 /// Measures the stages of a build.
 class StageClock {
