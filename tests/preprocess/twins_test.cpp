@@ -168,7 +168,7 @@ TEST(Twins, vanish_each_by_itself_where_something_is_beside_them) {
   for (int i = 0; i < 5; ++i) add_box(mesh, {float(i), 0, 0}, {float(i) + 0.5F, 0.03F, 0.5F}, kGrey);
   for (int i = 0; i < 5; ++i) add_box(mesh, {float(i), 40, 0}, {float(i) + 0.5F, 40.03F, 0.5F}, kGrey);
   add_box(mesh, {-2, 0.05F, -2}, {8, 0.5F, 3}, kGrey);
-  const Mesh result = simplify(mesh, {.target_triangles = 800 - 20});
+  const Mesh result = simplify(mesh, {.target_triangles = 400});
   size_t before_wall = 0, in_the_open = 0;
   for (size_t t = 0; t < result.triangle_count(); ++t) {
     const glm::vec3& p = result.positions[result.indices[t * 3]];
@@ -176,7 +176,7 @@ TEST(Twins, vanish_each_by_itself_where_something_is_beside_them) {
     if (p.y > 39) ++in_the_open;
     if (p.y < 0.04F) ++before_wall;
   }
-  EXPECT_GT(in_the_open, 0U);
+  EXPECT_GE(in_the_open, 5U) << "nothing else is near any of them";
   EXPECT_EQ(before_wall, 0U);
 }
 
