@@ -9,6 +9,7 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <utility>
 
 namespace promenade {
 
@@ -16,7 +17,9 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr size_t kBins = 16;
-constexpr size_t kWidth = kLanes;  // boxes a node
+constexpr uint32_t kCurveCells = 1024;  // along each axis
+constexpr uint32_t kMostTogether = 8;   // triangles an item
+constexpr size_t kWidth = kLanes;       // boxes a node
 constexpr uint32_t kLeafBit = BoxTreeNode::kLeafBit;
 constexpr uint32_t kMaxUnbalancedDepth = 24;  // bounds the query's stack: deeper nodes are cut at the median
 
@@ -48,27 +51,43 @@ float along(const __m128& v, int axis) {
   return value;
 }
 
-/// What the tree knows of a triangle while it is built.
+uint32_t fourth_lane(const __m128& v) { return static_cast<uint32_t>(_mm_extract_epi32(_mm_castps_si128(v), 3)); }
+__m128 with_fourth_lane(const __m128& v, uint32_t value) {
+  return _mm_castsi128_ps(_mm_insert_epi32(_mm_castps_si128(v), static_cast<int>(value), 3));
+}
+
+/// A few triangles beside each other, as the tree knows them while it is built.
 struct Item {
-  WideBox box;  // with the triangle's number in the first fourth lane
-  uint32_t triangle() const { return static_cast<uint32_t>(_mm_extract_epi32(_mm_castps_si128(box.min), 3)); }
+  WideBox box;  // with the number of the first of them in the first fourth lane, how many they are in the second
+  uint32_t first() const { return fourth_lane(box.min); }
+  uint32_t count() const { return fourth_lane(box.max); }
   __m128 doubled_center() const { return _mm_add_ps(box.min, box.max); }
   float doubled_center(int axis) const { return along(box.min, axis) + along(box.max, axis); }
 };
 
 struct Range {
-  uint32_t begin, end;
+  uint32_t begin, end;  // of items
+  uint32_t triangles;
   WideBox box;
-  uint32_t size() const { return end - begin; }
 };
+
+/// Bits of a number of ten, each third one of the result.
+uint32_t spread(uint32_t v) {
+  v = (v | v << 16U) & 0x030000ffU;
+  v = (v | v << 8U) & 0x0300f00fU;
+  v = (v | v << 4U) & 0x030c30c3U;
+  return (v | v << 2U) & 0x09249249U;
+}
 
 }  // namespace
 
-/// Cuts ranges of items by a binned surface-area heuristic along the longest axis of their centres.
+/// Triangles in the order of a curve that fills space make items of a few; ranges of these are cut by a binned
+/// surface-area heuristic along the longest axis of their centres.
 struct ClosestPointTree::Builder {
   ClosestPointTree& tree;
   std::span<const glm::vec3> positions;
   std::span<const uint32_t> indices;
+  std::vector<uint64_t> order;  // of triangles: place on the curve, number
   std::vector<Item> items;
   std::vector<Item> upper_items;  // scratch
   std::vector<uint8_t> bins;      // of items, in the cut at hand
@@ -76,42 +95,96 @@ struct ClosestPointTree::Builder {
   Builder(ClosestPointTree& to, std::span<const glm::vec3> p, std::span<const uint32_t> i)
       : tree(to), positions(p), indices(i) {
     const auto count = static_cast<uint32_t>(indices.size() / 3);
-    items.resize(count), upper_items.resize(count), bins.resize(count);
-    WideBox all;
+    if (count == 0) return;
+    std::vector<WideBox> boxes(count);
+    WideBox all, centers;
     for (uint32_t t = 0; t < count; ++t) {
-      WideBox box;
+      WideBox& box = boxes[t];
       for (size_t c = 0; c < 3; ++c) {
         const glm::vec3& corner = positions[indices[size_t(t) * 3 + c]];
         const __m128 at = _mm_setr_ps(corner.x, corner.y, corner.z, 0);
         box.add({at, at});
       }
       all.add(box);
-      box.min = _mm_castsi128_ps(_mm_insert_epi32(_mm_castps_si128(box.min), static_cast<int>(t), 3));
-      items[t] = {box};
+      const __m128 center = _mm_add_ps(box.min, box.max);
+      centers.add({center, center});
     }
-    if (count > 0) tree.bounds_ = all.box();
+    tree.bounds_ = all.box();
+    order_triangles(boxes, centers);
+    make_items(boxes);
+    upper_items.resize(items.size()), bins.resize(items.size());
     tree.slot_of_triangle_.resize(count);
     tree.blocks_.reserve(count / 5 + 1);
     tree.nodes_.reserve(count / 32 + 1);
-    if (count > 0) build_node({0, count, all}, 0);
+    build_node({0, static_cast<uint32_t>(items.size()), count, all}, 0);
   }
 
-  WideBox box_of(uint32_t begin, uint32_t end) const {
-    WideBox box;
-    for (uint32_t i = begin; i < end; ++i) box.add(items[i].box);
-    return box;
+  void order_triangles(const std::vector<WideBox>& boxes, const WideBox& centers) {
+    const Box box = centers.box();
+    const float extent = box.size()[box.longest_axis()];
+    const float scale = extent > 0 ? float(kCurveCells) * 0.9999F / extent : 0;
+    const __m128 scales = _mm_set1_ps(std::isfinite(scale) ? scale : 0);
+    order.resize(boxes.size());
+    for (uint32_t t = 0; t < boxes.size(); ++t) {
+      const __m128 at = _mm_mul_ps(_mm_sub_ps(_mm_add_ps(boxes[t].min, boxes[t].max), centers.min), scales);
+      alignas(16) std::array<uint32_t, 4> cell;
+      _mm_store_si128(reinterpret_cast<__m128i*>(cell.data()), _mm_cvttps_epi32(at));
+      for (uint32_t axis = 0; axis < 3; ++axis) cell[axis] = std::min(cell[axis], kCurveCells - 1);
+      order[t] = uint64_t(spread(cell[0]) | spread(cell[1]) << 1U | spread(cell[2]) << 2U) << 32U | t;
+    }
+    // By digits of ten bits, the last first.
+    std::vector<uint64_t> sorted(order.size());
+    std::array<std::array<uint32_t, kCurveCells>, 3> begin{};
+    for (const uint64_t key : order)
+      for (uint32_t digit = 0; digit < 3; ++digit) ++begin[digit][key >> (32 + 10 * digit) & (kCurveCells - 1)];
+    for (uint32_t digit = 0; digit < 3; ++digit) {
+      uint32_t sum = 0;
+      for (uint32_t& its : begin[digit]) sum += std::exchange(its, sum);
+      for (const uint64_t key : order) sorted[begin[digit][key >> (32 + 10 * digit) & (kCurveCells - 1)]++] = key;
+      order.swap(sorted);
+    }
   }
 
-  /// Two halves of a range along `axis`; ties by triangle, so that the tree is the same with every library.
+  /// Halves the curve where it leaves cells, the largest first, down to pieces of kMostTogether.
+  void make_items(const std::vector<WideBox>& boxes) {
+    items.reserve(order.size() / 2 + 1);
+    std::vector<std::array<uint32_t, 2>> stack = {{0, static_cast<uint32_t>(order.size())}};
+    while (!stack.empty()) {
+      const auto [begin, end] = stack.back();
+      stack.pop_back();
+      if (end - begin > kMostTogether) {
+        const uint64_t first = order[begin] >> 32U, last = order[end - 1] >> 32U;
+        uint32_t middle = begin + (end - begin) / 2;
+        if (first != last) {
+          const uint64_t bit = std::bit_floor(first ^ last);
+          const uint64_t above = (last & ~(bit - 1)) << 32U;
+          middle = static_cast<uint32_t>(std::lower_bound(order.begin() + begin, order.begin() + end, above) -
+                                         order.begin());
+        }
+        stack.push_back({middle, end}), stack.push_back({begin, middle});
+        continue;
+      }
+      WideBox box;
+      for (uint32_t i = begin; i < end; ++i) box.add(boxes[static_cast<uint32_t>(order[i])]);
+      items.push_back({{with_fourth_lane(box.min, begin), with_fourth_lane(box.max, end - begin)}});
+    }
+  }
+
+  Range range_of(uint32_t begin, uint32_t end) const {
+    Range range{begin, end, 0, {}};
+    for (uint32_t i = begin; i < end; ++i) range.box.add(items[i].box), range.triangles += items[i].count();
+    return range;
+  }
+
+  /// Two halves of a range along `axis`; ties by place on the curve, so that the tree is the same with every library.
   std::array<Range, 2> cut_at_median(const Range& range, int axis) {
-    const uint32_t middle = range.begin + range.size() / 2;
+    const uint32_t middle = range.begin + (range.end - range.begin) / 2;
     const auto first = items.begin();
     std::nth_element(first + range.begin, first + middle, first + range.end, [axis](const Item& a, const Item& b) {
       const float a_at = a.doubled_center(axis), b_at = b.doubled_center(axis);
-      return a_at != b_at ? a_at < b_at : a.triangle() < b.triangle();
+      return a_at != b_at ? a_at < b_at : a.first() < b.first();
     });
-    return {Range{range.begin, middle, box_of(range.begin, middle)},
-            Range{middle, range.end, box_of(middle, range.end)}};
+    return {range_of(range.begin, middle), range_of(middle, range.end)};
   }
 
   /// Two non-empty halves of a range of at least two.
@@ -159,7 +232,7 @@ struct ClosestPointTree::Builder {
     for (uint32_t i = range.begin; i < range.end; ++i) {
       const uint32_t bin = bins[i];
       boxes[bin].add(items[i].box);
-      ++counts[bin];
+      counts[bin] += items[i].count();
     }
     std::array<WideBox, kBins> above;  // of this bin and those above
     std::array<uint32_t, kBins> counts_above{};
@@ -179,7 +252,11 @@ struct ClosestPointTree::Builder {
       count += counts[b - 1];
       if (counts[b - 1] == 0 || count == 0 || counts_above[b] == 0) continue;  // the same as before, or all on one side
       const float cost = half_area(box) * float(count) + half_area(above[b]) * float(counts_above[b]);
-      if (cost < best_cost) best_cost = cost, best = b, halves[0].box = box, halves[1].box = above[b];
+      if (cost < best_cost) {
+        best_cost = cost, best = b;
+        halves[0].box = box, halves[0].triangles = count;
+        halves[1].box = above[b], halves[1].triangles = counts_above[b];
+      }
     }
     return best;
   }
@@ -191,8 +268,8 @@ struct ClosestPointTree::Builder {
     while (count < kWidth) {
       size_t largest = 0;
       for (size_t i = 1; i < count; ++i)
-        if (parts[i].size() > parts[largest].size()) largest = i;
-      if (parts[largest].size() <= kLeafSize) break;
+        if (parts[i].triangles > parts[largest].triangles) largest = i;
+      if (parts[largest].triangles <= kLeafSize) break;
       const std::array<Range, 2> halves = cut(parts[largest], depth >= kMaxUnbalancedDepth);
       parts[largest] = halves[0];
       parts[count++] = halves[1];
@@ -202,7 +279,7 @@ struct ClosestPointTree::Builder {
     for (size_t i = 0; i < kWidth; ++i) {
       uint32_t child = 0;
       uint32_t blocks = 0;
-      if (i < count && parts[i].size() <= kLeafSize) {
+      if (i < count && parts[i].triangles <= kLeafSize) {
         child = kLeafBit | static_cast<uint32_t>(tree.blocks_.size());
         blocks = add_blocks(parts[i]);
       } else if (i < count) {
@@ -219,19 +296,19 @@ struct ClosestPointTree::Builder {
   }
 
   uint32_t add_blocks(const Range& range) {
-    uint32_t blocks = 0;
-    for (uint32_t begin = range.begin; begin < range.end; begin += kLanes, ++blocks) {
-      tree.blocks_.emplace_back();
-      TriangleBlock& block = tree.blocks_.back();
-      const uint32_t count = std::min(range.end - begin, static_cast<uint32_t>(kLanes));
-      for (uint32_t lane = 0; lane < count; ++lane) {
-        const uint32_t triangle = items[begin + lane].triangle();
-        set_lane(block, lane, triangle);
+    uint32_t count = 0;
+    for (uint32_t i = range.begin; i < range.end; ++i) {
+      const uint32_t first = items[i].first();
+      for (uint32_t at = first; at < first + items[i].count(); ++at, ++count) {
+        const auto lane = static_cast<uint32_t>(count % kLanes);
+        if (lane == 0) tree.blocks_.emplace_back();
+        const auto triangle = static_cast<uint32_t>(order[at]);
+        set_lane(tree.blocks_.back(), lane, triangle);
         tree.slot_of_triangle_[triangle] = static_cast<uint32_t>((tree.blocks_.size() - 1) * kLanes + lane);
       }
-      repeat_lane(block, count - 1);
     }
-    return blocks;
+    repeat_lane(tree.blocks_.back(), (count - 1) % kLanes);
+    return static_cast<uint32_t>((count + kLanes - 1) / kLanes);
   }
 
   /// In all lanes after it.

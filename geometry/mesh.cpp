@@ -84,8 +84,9 @@ void append(Mesh& a, const Mesh& b) {
   append_attribute(a.texcoords, a_vertices, b.texcoords, b.vertex_count(), glm::vec2(0));
   append_attribute(a.colors, a_vertices, b.colors, b.vertex_count(), glm::u8vec4(255));
   append_attribute(a.materials, a_triangles, b.materials, b.triangle_count(), 0U);
-  a.indices.reserve(a.indices.size() + b.indices.size());
-  for (const uint32_t i : b.indices) a.indices.push_back(base + i);
+  const size_t first = a.indices.size();
+  a.indices.insert(a.indices.end(), b.indices.begin(), b.indices.end());
+  for (size_t i = first; i < a.indices.size(); ++i) a.indices[i] += base;
 }
 
 Mesh transformed(const Mesh& mesh, const glm::dmat4& to_from_mesh) {

@@ -161,15 +161,20 @@ NodeBuilder::Merged NodeBuilder::merge(std::span<const NodeSurface> children) co
   merged.materials = base_.materials;
   std::vector<const Border*> borders;
   std::vector<uint32_t> first_triangle;
+  size_t vertices = 0, triangles = 0;
+  for (const NodeSurface& child : children)
+    vertices += child.mesh.vertex_count(), triangles += child.mesh.triangle_count();
+  merged.mesh.positions.reserve(vertices), merged.mesh.normals.reserve(vertices), merged.mesh.colors.reserve(vertices);
+  merged.mesh.indices.reserve(triangles * 3), merged.mesh.materials.reserve(triangles);
   for (const NodeSurface& child : children) {
     borders.push_back(&child.border), first_triangle.push_back(static_cast<uint32_t>(merged.mesh.triangle_count()));
     const auto offset = static_cast<uint32_t>(merged.materials.size()) - base_.size();
-    Mesh mesh = child.mesh;
-    for (uint32_t& material : mesh.materials) {
+    append(merged.mesh, child.mesh);
+    for (size_t t = first_triangle.back(); t < merged.mesh.materials.size(); ++t) {
+      uint32_t& material = merged.mesh.materials[t];
       merged.textured = merged.textured || is_textured(material);
       if (material >= base_.size()) material += offset;
     }
-    append(merged.mesh, mesh);
     for (Material material : child.atlas_materials) {
       material.texture = kLocalTexture | static_cast<uint32_t>(merged.atlases.size());
       merged.materials.push_back(material);
@@ -187,12 +192,15 @@ Reference NodeBuilder::reference_of(std::span<const NodeSurface> children) const
     triangles += std::max(child.reference.mesh.triangle_count(), child.mesh.triangle_count());
   const bool detailed = triangles <= kReferenceNodes * options_.node_triangles;
   Reference reference;
+  size_t vertices = 0;
+  for (const NodeSurface& child : children)
+    vertices += std::max(child.reference.mesh.vertex_count(), child.mesh.vertex_count());
+  reference.mesh.positions.reserve(vertices), reference.mesh.indices.reserve(triangles * 3);
   for (const NodeSurface& child : children) {
     const bool own = !detailed || child.reference.mesh.indices.empty();
     const Mesh& mesh = own ? child.mesh : child.reference.mesh;
     const auto first = static_cast<uint32_t>(reference.mesh.positions.size());
     reference.mesh.positions.insert(reference.mesh.positions.end(), mesh.positions.begin(), mesh.positions.end());
-    reference.mesh.indices.reserve(reference.mesh.indices.size() + mesh.indices.size());
     for (const uint32_t v : mesh.indices) reference.mesh.indices.push_back(first + v);
     reference.error_m = std::max(reference.error_m, own ? child.error_m : child.reference.error_m);
     reference.p99_m = std::max(reference.p99_m, own ? child.p99_m : child.reference.p99_m);
@@ -210,8 +218,8 @@ Result<BuiltNode> NodeBuilder::inner(std::span<const NodeSurface> children) cons
     if (child.texel_m > 0 && (surface.texel_m == 0 || child.texel_m < surface.texel_m)) surface.texel_m = child.texel_m;
   }
   surface.reference = reference_of(children);
-  const Merged merged = merge(children);
-  Mesh bare = merged.mesh;
+  Merged merged = merge(children);
+  Mesh bare = merged.textured ? merged.mesh : std::move(merged.mesh);  // to be baked from
   bare.texcoords.clear();
   for (uint32_t& material : bare.materials) {
     const bool see_through =

@@ -6,7 +6,6 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <unordered_map>
-#include <unordered_set>
 
 #include "codec/quantized_mesh.h"
 #include "preprocess/weld.h"
@@ -202,24 +201,33 @@ bool loses_surface_on_grid(const Mesh& mesh, float step_m) {
     std::sort(v.begin(), v.end());
     return v;
   };
-  std::vector<size_t> collapsed;
-  for (size_t t = first; t < mesh.triangle_count(); ++t)
-    if (collapses(t)) collapsed.push_back(t);
-  std::vector<uint8_t> remains(places.count(), 0);
-  std::unordered_set<uint64_t> edges;
   const auto edge = [](uint32_t a, uint32_t b) { return uint64_t(a) << 32U | b; };
+  std::vector<uint32_t> points;  // places that must remain, edges that must
+  std::vector<uint64_t> edges;
+  std::vector<uint8_t> is_end(places.count(), 0);  // of such edges
+  for (size_t t = first; t < mesh.triangle_count(); ++t) {
+    if (!collapses(t)) continue;
+    const auto position = [&](size_t c) { return mesh.positions[mesh.indices[3 * t + c]]; };
+    if (position(0) == position(1) || position(1) == position(2) || position(2) == position(0)) continue;
+    const auto v = corners(t);
+    if (v[0] == v[2]) points.push_back(v[0]);
+    if (v[0] != v[2]) edges.push_back(edge(v[0], v[2])), is_end[v[0]] = is_end[v[2]] = 1;
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  std::vector<uint8_t> remains(places.count(), 0), edge_remains(edges.size(), 0);
   for (size_t t = 0; t < mesh.triangle_count(); ++t) {
     const auto v = corners(t);
     if (v[0] == v[1] || v[1] == v[2]) continue;
     for (const uint32_t p : v) remains[p] = 1;
-    edges.insert({edge(v[0], v[1]), edge(v[1], v[2]), edge(v[0], v[2])});
+    for (const auto& [from, to] : {std::pair(v[0], v[1]), std::pair(v[1], v[2]), std::pair(v[0], v[2])}) {
+      if (is_end[from] == 0 || is_end[to] == 0) continue;  // most
+      const auto at = std::lower_bound(edges.begin(), edges.end(), edge(from, to));
+      if (at != edges.end() && *at == edge(from, to)) edge_remains[static_cast<size_t>(at - edges.begin())] = 1;
+    }
   }
-  return std::any_of(collapsed.begin(), collapsed.end(), [&](size_t t) {
-    const auto position = [&](size_t c) { return mesh.positions[mesh.indices[3 * t + c]]; };
-    if (position(0) == position(1) || position(1) == position(2) || position(2) == position(0)) return false;
-    const auto v = corners(t);
-    return v[0] == v[2] ? remains[v[0]] == 0 : !edges.contains(edge(v[0], v[2]));
-  });
+  return std::any_of(points.begin(), points.end(), [&](uint32_t p) { return remains[p] == 0; }) ||
+         std::any_of(edge_remains.begin(), edge_remains.end(), [](uint8_t its) { return its == 0; });
 }
 
 void round_colors(Mesh& mesh) {
