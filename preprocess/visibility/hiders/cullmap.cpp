@@ -70,34 +70,10 @@ class CellWork : UprightCell {
   std::array<CullMap, 2> maps_;
 };
 
-class CullmapHider : public Hider {
- public:
-  CullmapHider(const Model& model, const NodeParts& parts, const OccluderSet& occluders)
-      : model_(model), parts_(parts), occluders_(occluders) {}
-
-  std::string_view name() const override { return "cullmap"; }
-
-  Status hide(const HiderQuestion& question, std::span<uint8_t> hidden) const override {
-    const Result<HeldParts> held = parts_.hold(question.front, hidden);
-    if (!held) return held.error();
-    const std::vector<UsableOccluder> usable = usable_occluders(model_, occluders_, question);
-    hide_from_open_parts(question, occluders_, usable, hidden,
-                         [&](const HiderQuestion& part, std::span<uint8_t> hidden_there) {
-                           CellWork(*held, occluders_, part, hidden_there).run(usable);
-                         });
-    return Done{};
-  }
-
- private:
-  const Model& model_;
-  const NodeParts& parts_;
-  const OccluderSet& occluders_;
-};
-
 }  // namespace
 
 std::unique_ptr<Hider> make_cullmap_hider(const Model& model, const NodeParts& parts, const OccluderSet& occluders) {
-  return std::make_unique<CullmapHider>(model, parts, occluders);
+  return std::make_unique<UprightHider<CellWork>>("cullmap", model, parts, occluders);
 }
 
 }  // namespace promenade

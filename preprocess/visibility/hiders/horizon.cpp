@@ -143,34 +143,10 @@ void CellWork::prove(const glm::dvec3& from, const glm::dvec3& to, Targets targe
   prove(middle, to, targets, halvings + 1);
 }
 
-class HorizonHider : public Hider {
- public:
-  HorizonHider(const Model& model, const NodeParts& parts, const OccluderSet& occluders)
-      : model_(model), parts_(parts), occluders_(occluders) {}
-
-  std::string_view name() const override { return "horizon"; }
-
-  Status hide(const HiderQuestion& question, std::span<uint8_t> hidden) const override {
-    const Result<HeldParts> held = parts_.hold(question.front, hidden);
-    if (!held) return held.error();
-    const std::vector<UsableOccluder> usable = usable_occluders(model_, occluders_, question);
-    hide_from_open_parts(question, occluders_, usable, hidden,
-                         [&](const HiderQuestion& part, std::span<uint8_t> hidden_there) {
-                           CellWork(*held, occluders_, part, hidden_there).run(usable);
-                         });
-    return Done{};
-  }
-
- private:
-  const Model& model_;
-  const NodeParts& parts_;
-  const OccluderSet& occluders_;
-};
-
 }  // namespace
 
 std::unique_ptr<Hider> make_horizon_hider(const Model& model, const NodeParts& parts, const OccluderSet& occluders) {
-  return std::make_unique<HorizonHider>(model, parts, occluders);
+  return std::make_unique<UprightHider<CellWork>>("horizon", model, parts, occluders);
 }
 
 }  // namespace promenade

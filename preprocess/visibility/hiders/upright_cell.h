@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "preprocess/visibility/hider.h"
@@ -69,20 +70,37 @@ class UprightCell {
 /// All occluders, as a cell may use them.
 std::vector<UsableOccluder> usable_occluders(const Model& model, const OccluderSet& set, const HiderQuestion& question);
 
-/// Asks a cell that reaches into houses as its open parts: what none of them sees is hidden. hide(question, hidden)
-/// proves for one of them, and sets what it hides.
-template <class Hide>
-void hide_from_open_parts(const HiderQuestion& question, const OccluderSet& set,
-                          const std::vector<UsableOccluder>& usable, std::span<uint8_t> hidden, const Hide& hide) {
-  std::vector<uint8_t> settled(hidden.begin(), hidden.end()), seen(hidden.size(), 0);
-  for (const Box& part : open_parts(question.cell, set, usable)) {
-    std::vector<uint8_t> hidden_there = settled;
-    hide(HiderQuestion{part, question.front}, std::span<uint8_t>(hidden_there));
+/// A hider that works a cell as an UprightCell: CellWork(parts, occluders, question, hidden).run(usable occluders). A
+/// cell that reaches into houses is asked as its open parts: what none of them sees is hidden.
+template <class CellWork>
+class UprightHider : public Hider {
+ public:
+  UprightHider(std::string_view name, const Model& model, const NodeParts& parts, const OccluderSet& occluders)
+      : name_(name), model_(model), parts_(parts), occluders_(occluders) {}
+
+  std::string_view name() const override { return name_; }
+
+  Status hide(const HiderQuestion& question, std::span<uint8_t> hidden) const override {
+    const Result<HeldParts> held = parts_.hold(question.front, hidden);
+    if (!held) return held.error();
+    const std::vector<UsableOccluder> usable = usable_occluders(model_, occluders_, question);
+    std::vector<uint8_t> settled(hidden.begin(), hidden.end()), seen(hidden.size(), 0);
+    for (const Box& part : open_parts(question.cell, occluders_, usable)) {
+      std::vector<uint8_t> hidden_there = settled;
+      CellWork(*held, occluders_, {part, question.front}, hidden_there).run(usable);
+      for (size_t i = 0; i < hidden.size(); ++i)
+        if (hidden_there[i] == 0) settled[i] = seen[i] = 1;
+    }
     for (size_t i = 0; i < hidden.size(); ++i)
-      if (hidden_there[i] == 0) settled[i] = seen[i] = 1;
+      if (seen[i] == 0) hidden[i] = 1;
+    return Done{};
   }
-  for (size_t i = 0; i < hidden.size(); ++i)
-    if (seen[i] == 0) hidden[i] = 1;
-}
+
+ private:
+  std::string_view name_;
+  const Model& model_;
+  const NodeParts& parts_;
+  const OccluderSet& occluders_;
+};
 
 }  // namespace promenade
