@@ -21,7 +21,7 @@ uint32_t root_of(std::vector<uint32_t>& parent, uint32_t place) {
 
 }  // namespace
 
-Parts::Parts(const WorkMesh& work)
+Parts::Parts(const WorkMesh& work, const std::function<std::vector<glm::vec3>(uint32_t triangle)>& offsets_of)
     : positions_(work.positions),
       indices_(work.place),
       tree_(std::span<const glm::vec3>{}, std::span<const uint32_t>{}) {
@@ -45,11 +45,19 @@ Parts::Parts(const WorkMesh& work)
   }
   part_of_place_.assign(work.place_count(), WorkMesh::kNone);
   for (uint32_t p = 0; p < work.place_count(); ++p) part_of_place_[p] = part_of_root[root_of(parent, p)];
+  copies_.reserve(originals());
+  for (uint32_t part = 0; part < originals(); ++part) copies_.push_back({part, glm::vec3(0)});
+  for (uint32_t part = 0; part < originals(); ++part) {
+    first_copy_.push_back(count());
+    if (!offsets_of) continue;
+    for (const glm::vec3& offset : offsets_of(triangles_[part].front())) copies_.push_back({part, offset});
+  }
+  first_copy_.push_back(count());
   hidden_.assign(count(), 0);
   looked_at_.assign(count(), 0);
   farthest_.assign(count(), glm::vec3(0));
   for (uint32_t part = 0; part < count(); ++part) {
-    hidden_[part] = work.alive[triangles_[part].front()] == 0 ? 1 : 0;
+    hidden_[part] = work.alive[this->triangles(part).front()] == 0 ? 1 : 0;
     remaining_ += hidden_[part] == 0 ? 1U : 0U;
   }
   build_tree();
@@ -57,24 +65,29 @@ Parts::Parts(const WorkMesh& work)
 
 void Parts::build_tree() {
   if (remaining_ < (remaining_ == count() ? 2 : 1)) return;  // nothing will be asked
+  std::vector<glm::vec3> positions = positions_;
   std::vector<uint32_t> indices;
   tree_triangles_.clear();
   part_of_tree_triangle_.clear();
   hidden_in_tree_ = 0;
   for (uint32_t part = 0; part < count(); ++part) {
     if (hidden_[part] != 0) continue;
-    for (const uint32_t t : triangles_[part]) {
+    for (const uint32_t t : triangles(part)) {
       tree_triangles_.push_back(t);
       part_of_tree_triangle_.push_back(part);
-      for (size_t c = 0; c < 3; ++c) indices.push_back(indices_[size_t(t) * 3 + c]);
+      for (size_t c = 0; c < 3; ++c) {
+        const uint32_t place = indices_[size_t(t) * 3 + c];
+        indices.push_back(part < originals() ? place : static_cast<uint32_t>(positions.size()));
+        if (part >= originals()) positions.push_back(positions_[place] + offset(part));
+      }
     }
   }
-  tree_ = ClosestPointTree(positions_, indices);
+  tree_ = ClosestPointTree(positions, indices);
 }
 
 float Parts::first_look(uint32_t part, float limit_m) {
   looked_at_[part] = 1;
-  farthest_[part] = positions_[indices_[size_t(triangles_[part].front()) * 3]];
+  farthest_[part] = positions_[indices_[size_t(triangles(part).front()) * 3]] + offset(part);
   const uint8_t hidden_before = hidden_[part];
   hidden_[part] = 1;
   const float distance2 = tree_
@@ -106,7 +119,7 @@ float Parts::removal_cost(uint32_t part, const std::vector<glm::vec3>& points, f
   look_from(farthest_[part]);
   for (size_t i = 0; i < points.size() && cost2 <= limit2; ++i) {
     look_from(points[i]);
-    beside.push_back({corner_of(hint, points[i]), hint});
+    beside.push_back({corner_of(hint, points[i]), part_of_tree_triangle_[hint], hint});
   }
   if (cost2 > limit2)
     for (size_t i = 0; i < points.size(); i += points.size() / kMoreLooks + 1) look_from(points[i]);
@@ -118,16 +131,17 @@ void Parts::remove(uint32_t part) {
   if (hidden_[part] != 0) return;
   hidden_[part] = 1;
   --remaining_;
-  hidden_in_tree_ += triangles_[part].size();
+  hidden_in_tree_ += triangles(part).size();
   if (hidden_in_tree_ * 2 > tree_triangles_.size()) build_tree();
 }
 
 uint32_t Parts::corner_of(uint32_t tree_triangle, const glm::vec3& point) const {
   const uint32_t first = tree_triangles_[tree_triangle] * 3;
+  const glm::vec3 at = point - offset(part_of_tree_triangle_[tree_triangle]);
   uint32_t nearest = first;
   float least2 = std::numeric_limits<float>::infinity();
   for (uint32_t c = first; c < first + 3; ++c) {
-    const glm::vec3 off = positions_[indices_[c]] - point;
+    const glm::vec3 off = positions_[indices_[c]] - at;
     if (const float d2 = glm::dot(off, off); d2 < least2) least2 = d2, nearest = c;
   }
   return nearest;
@@ -156,7 +170,7 @@ std::optional<float> Parts::height_besides(uint32_t part, const glm::vec3& point
   const glm::vec3 cross = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
   const float length = glm::length(cross);
   if (!(length > 0) || glm::dot(cross, normal) <= 0) return std::nullopt;
-  return glm::dot(point - corner(0), cross / length);
+  return glm::dot(point - offset(part_of_tree_triangle_[found]) - corner(0), cross / length);
 }
 
 }  // namespace promenade

@@ -2,6 +2,7 @@
 // Disjoint parts of a mesh, and how far points lie from what would remain without one.
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <vector>
@@ -11,23 +12,33 @@
 
 namespace promenade {
 
-/// Parts are sets of triangles that share places, numbered in order of their first triangle. Those that are not alive
-/// in the beginning are never what others are near to, but their own removal can be asked about. Distances are to the
-/// parts as they were in the beginning, those not removed: collapses meanwhile move them by less than anything still in
-/// the queue would cost.
+/// Parts are sets of triangles that share places, numbered in order of their first triangle; then come copies of them,
+/// which are not in the work mesh, by original. Those that are not alive in the beginning are never what others are
+/// near to, but their own removal can be asked about. Distances are to the parts as they were in the beginning, those
+/// not removed: collapses meanwhile move them by less than anything still in the queue would cost.
 class Parts {
  public:
-  /// The work mesh must outlive it.
-  explicit Parts(const WorkMesh& work);
+  /// The work mesh must outlive it. offsets_of: of the copies of the part that a triangle is in, from it; unset: none.
+  explicit Parts(const WorkMesh& work, const std::function<std::vector<glm::vec3>(uint32_t triangle)>& offsets_of = {});
 
-  uint32_t count() const { return static_cast<uint32_t>(triangles_.size()); }
+  uint32_t count() const { return static_cast<uint32_t>(copies_.size()); }
+  uint32_t originals() const { return static_cast<uint32_t>(triangles_.size()); }
+  /// An original.
   uint32_t of_place(uint32_t place) const { return part_of_place_[place]; }
-  /// The triangles of a part, as the work mesh numbers them.
-  const std::vector<uint32_t>& triangles(uint32_t part) const { return triangles_[part]; }
+  /// Of a part; an original's is itself.
+  uint32_t original_of(uint32_t part) const { return copies_[part].original; }
+  /// Of a part from its original.
+  const glm::vec3& offset(uint32_t part) const { return copies_[part].offset; }
+  /// The copies of an original: so many parts, from this one on.
+  uint32_t first_copy(uint32_t original) const { return first_copy_[original]; }
+  uint32_t copies(uint32_t original) const { return first_copy_[original + 1] - first_copy_[original]; }
+  /// The triangles of a part's original, as the work mesh numbers them.
+  const std::vector<uint32_t>& triangles(uint32_t part) const { return triangles_[original_of(part)]; }
 
   /// Of a triangle beside a point.
   struct Beside {
     uint32_t corner;         ///< the nearest to the point, as the work mesh numbers them
+    uint32_t part;           ///< whose it is: where it lies is that corner and the part's offset
     uint32_t tree_triangle;  ///< where to begin to look again
   };
 
@@ -57,10 +68,16 @@ class Parts {
   /// The corner of a triangle of the tree that is nearest to a point.
   uint32_t corner_of(uint32_t tree_triangle, const glm::vec3& point) const;
 
+  struct Copy {
+    uint32_t original;
+    glm::vec3 offset;
+  };
   const std::vector<glm::vec3>& positions_;
   std::vector<uint32_t> indices_;  // as in the beginning
   std::vector<uint32_t> part_of_place_;
-  std::vector<std::vector<uint32_t>> triangles_;
+  std::vector<std::vector<uint32_t>> triangles_;  // of each original
+  std::vector<Copy> copies_;                      // all parts
+  std::vector<uint32_t> first_copy_;              // of each original, and the number of all parts
   std::vector<uint8_t> hidden_;
   std::vector<uint8_t> looked_at_;
   std::vector<glm::vec3> farthest_;  // of each part: the farthest point that the last look found
@@ -69,7 +86,7 @@ class Parts {
   // The tree has the triangles that remained when it was built: hidden ones cost time, so it is built anew when half
   // are.
   ClosestPointTree tree_;
-  std::vector<uint32_t> tree_triangles_;
+  std::vector<uint32_t> tree_triangles_;  // their originals
   std::vector<uint32_t> part_of_tree_triangle_;
   size_t hidden_in_tree_ = 0;
 };

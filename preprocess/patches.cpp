@@ -229,10 +229,10 @@ std::vector<Patch> add_patches(WorkMesh& work, const Mesh& source) {
   return PatchFinder(work, source).run();
 }
 
-void lift(const Patch& patch, WorkMesh& work) {
+void lift(const Patch& patch, WorkMesh& work, uint8_t stands_for) {
   for (uint32_t i = 0; i < patch.triangles.size(); ++i) {
-    work.alive[patch.first_copy + i] = 1;
-    ++work.alive_count;
+    work.alive[patch.first_copy + i] = stands_for;
+    ++work.alive_count, work.shown_count += stands_for;
     for (uint32_t c = 0; c < 3; ++c) work.attributes[patch.triangles[i] * 3 + c] = patch.ground[i * 3 + c];
   }
 }

@@ -27,8 +27,8 @@ struct Patch {
 /// triangles.
 std::vector<Patch> add_patches(WorkMesh& work, const Mesh& source);
 
-/// The copy comes alive, what was there takes the colour of what is around it.
-void lift(const Patch& patch, WorkMesh& work);
+/// The copy comes alive, what was there takes the colour of what is around it. stands_for: as WorkMesh::alive.
+void lift(const Patch& patch, WorkMesh& work, uint8_t stands_for = 1);
 
 /// Moves flat sheets (parts of few triangles that share no place with others) along their normals to at least
 /// `height_m` above surfaces of another colour that face the same way and cover them, or lie less below them: so that

@@ -117,9 +117,7 @@ class ReliefFinder {
 
   /// Between faces that look the same way: edges that lead from one to the other.
   void find_steps() {
-    Box box;
-    for (const glm::vec3& p : work_.positions) box.add(p);
-    const float least_area = 2 * kLeastFace * box.diagonal() * box.diagonal();
+    const float least_area = 2 * kLeastFace * work_.diagonal_m * work_.diagonal_m;
     std::vector<uint8_t> at_large(work_.place_count(), 0);  // whether a large face has the place
     for (uint32_t corner = 0; corner < work_.place.size(); ++corner)
       if (const uint32_t face = face_of_[corner / 3]; face != kNone && faces_[face].area >= least_area)

@@ -1,15 +1,19 @@
 #include "preprocess/simplify.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 
 #include "preprocess/collapse.h"
 #include "preprocess/cost_queue.h"
+#include "preprocess/key_set.h"
 #include "preprocess/parts.h"
 #include "preprocess/patches.h"
 #include "preprocess/relief_press.h"
+#include "preprocess/twins.h"
 #include "preprocess/work_mesh.h"
 
 namespace promenade {
@@ -28,6 +32,11 @@ constexpr float kPatience = 1.1F;
 /// cost less than this share. Measured on a city: to look at all takes a fortieth of simplification, for the same
 /// fronts.
 constexpr float kWorthFall = 0.5F;
+
+/// Of the largest cost, the side of cells that hold one point each of all that parts leave beside what stands for
+/// several: their copies leave the same.
+constexpr float kPointCell = 0.03F;
+constexpr float kLeastPointCell = 1e-6F;  // metres
 
 /// Colours that differ by less pass for the same paint, in parts of black and white.
 constexpr float kPaintContrast = 0.065F;
@@ -52,59 +61,169 @@ constexpr int kMostRounds = 8;  // until the target holds with what comes beside
 float point_spacing_m(const WorkMesh& work, uint32_t target) {
   double area_m2 = 0;
   for (uint32_t c = 0; c < work.place.size(); c += 3)
-    area_m2 += 0.5 * double(glm::length(glm::cross(work.at(c + 1) - work.at(c), work.at(c + 2) - work.at(c))));
+    area_m2 += 0.5 * work.alive[c / 3] *
+               double(glm::length(glm::cross(work.at(c + 1) - work.at(c), work.at(c + 2) - work.at(c))));
   const auto spacing_m = static_cast<float>(kSpacing * std::sqrt(area_m2 / target));
   return std::max(spacing_m, std::numeric_limits<float>::min());
 }
 
 /// Collapses, removals of parts, liftings of patches and pressings of reliefs in one queue, cheapest first: items are
 /// numbered in this order.
+///
+/// Of parts that are one another moved only one is in the work mesh, and what happens to it happens to all. But each
+/// vanishes by itself, for other things are beside each.
 class Simplifier {
  public:
-  Simplifier(WorkMesh& work, const Mesh& source, const SimplifyOptions& options, const Border& border)
+  /// twins: taken out of the work mesh.
+  Simplifier(WorkMesh& work, const Mesh& source, Twins twins, const SimplifyOptions& options, const Border& border)
       : work_(work),
         source_(source),
         borders_(work, border),
         patches_(add_patches(work, source)),
-        parts_(work),
+        twins_(with_patches(std::move(twins), patches_)),
+        parts_(work, [this](uint32_t triangle) { return offsets_of_copies(triangle); }),
         wanted_(std::max(options.target_triangles, 1U)),
         target_(wanted_),
         collapser_(work, source, borders_, point_spacing_m(work, target_)),
-        press_(work, collapser_, borders_, find_reliefs(work, kDeepestRelief * bounds(source).diagonal()), patches_),
+        press_(work, collapser_, borders_, find_reliefs(work, kDeepestRelief * work.diagonal_m), patches_),
         queue_(static_cast<uint32_t>(work.place_count() + parts_.count() + patches_.size() + press_.count())),
-        alive_in_part_(parts_.count()),
+        alive_in_part_(parts_.originals()),
+        is_here_(parts_.count()),
         paint_m_(parts_.count(), -1.0F),
         may_fall_to_m_(work.place_count(), kNowhere) {
-    for (uint32_t part = 0; part < parts_.count(); ++part)
+    for (uint32_t part = 0; part < parts_.originals(); ++part)
       if (work.alive[parts_.triangles(part).front()] != 0)
         alive_in_part_[part] = static_cast<uint32_t>(parts_.triangles(part).size());
+    for (uint32_t part = 0; part < parts_.count(); ++part)
+      is_here_[part] = alive_in_part_[parts_.original_of(part)] > 0 ? 1 : 0;
+    vertex_of_place_.resize(work.place_count());
+    for (uint32_t c = 0; c < work.place.size(); ++c) vertex_of_place_[work.place[c]] = work.attributes[c];
     if (double(borders_.edge_count()) <= kMostLockedShare * target_) collapser_.set_border_rule(Rule::stay);
   }
 
-  /// besides: as in SimplifyOptions.
-  SimplifyFigures run(const std::function<size_t(const Mesh&, const Border&)>& besides) {
+  /// besides: as in SimplifyOptions. border: becomes that of the result.
+  Mesh run(const std::function<size_t(const Mesh&, const Border&)>& besides, Border& border, SimplifyFigures& figures) {
     queue_parts();
     for (uint32_t i = 0; i < patches_.size(); ++i) queue_.set(places() + parts_.count() + i, 0);
     for (uint32_t i = 0; i < press_.count(); ++i) queue_.set(first_relief() + i, press_.first_cost(i));
     queue_places();
     reduce();
     for (int round = 0; besides && round < kMostRounds; ++round) {
-      const size_t more = besides(finish(work_, source_), border());
-      if (work_.alive_count + more <= wanted_ || target_ == 1) break;
+      const size_t more = besides(finish(work_, source_), borders_.border(work_));
+      if (work_.shown_count + more <= wanted_ || target_ == 1) break;
       // What comes besides rarely grows as the border loses edges.
       target_ = more + 1 < wanted_ ? std::min(target_ - 1, wanted_ - static_cast<uint32_t>(more)) : target_ / 2;
       reduce();
     }
-    return {raise(), reached_m_};
+    Shown shown = all_shown();
+    figures = {raise(shown), reached_m_};
+    border = borders_.border(shown.work);
+    return finish(shown.work, source_);
   }
-  Border border() const { return borders_.border(work_); }
 
  private:
   using Rule = Collapser::BorderRule;
   static constexpr float kNowhere = std::numeric_limits<float>::infinity();
 
+  /// The work mesh with all copies that have not vanished.
+  struct Shown {
+    WorkMesh work;
+    std::vector<uint32_t> part;  ///< of each triangle
+  };
+
+  uint32_t class_of_part(uint32_t original) const {
+    return twins_.class_of_triangle[parts_.triangles(original).front()];
+  }
+
+  /// What a patch is lifted to has its twins where the patch has.
+  static Twins with_patches(Twins twins, const std::vector<Patch>& patches) {
+    for (const Patch& patch : patches)
+      for (const uint32_t t : patch.triangles) twins.class_of_triangle.push_back(uint32_t(twins.class_of_triangle[t]));
+    return twins;
+  }
+
+  /// Of the part that a triangle is in.
+  std::vector<glm::vec3> offsets_of_copies(uint32_t triangle) const {
+    std::vector<glm::vec3> offsets;
+    if (const uint32_t its_class = twins_.class_of_triangle[triangle]; its_class != Twins::kNone)
+      for (uint32_t i = twins_.first_copy[its_class]; i < twins_.first_copy[its_class + 1]; ++i)
+        offsets.push_back(twins_.copies[i].offset);
+    return offsets;
+  }
+
+  /// In the order of the source's vertices.
+  Shown all_shown() const {
+    Shown shown;
+    WorkMesh& all = shown.work;
+    all.origin = work_.origin, all.diagonal_m = work_.diagonal_m;
+    all.positions = work_.positions, all.model_positions = work_.model_positions;
+    std::vector<Triangle> triangles;
+    triangles.reserve(work_.shown_count);
+    std::vector<uint32_t> place_in_copy(work_.place_count(), WorkMesh::kNone);
+    for (uint32_t part = 0; part < parts_.count(); ++part)
+      if (is_here_[part] != 0) add_part(part, all, place_in_copy, triangles);
+    std::vector<uint64_t> order;
+    order.reserve(triangles.size());
+    for (uint32_t i = 0; i < triangles.size(); ++i) order.push_back(uint64_t(triangles[i].attributes[0]) << 32U | i);
+    std::sort(order.begin(), order.end());
+    all.first_corner.assign(all.place_count(), WorkMesh::kNone);
+    for (const uint64_t key : order) {
+      const Triangle& triangle = triangles[static_cast<uint32_t>(key)];
+      shown.part.push_back(triangle.part);
+      all.source_triangle.push_back(triangle.source_triangle);
+      for (uint32_t c = 0; c < 3; ++c) {
+        const auto corner = static_cast<uint32_t>(all.place.size());
+        all.place.push_back(triangle.place[c]), all.attributes.push_back(triangle.attributes[c]);
+        all.next_corner.push_back(all.first_corner[triangle.place[c]]);
+        all.first_corner[triangle.place[c]] = corner;
+      }
+    }
+    all.alive.assign(triangles.size(), 1);
+    all.alive_count = all.shown_count = static_cast<uint32_t>(triangles.size());
+    return shown;
+  }
+
+  struct Triangle {
+    uint32_t part, source_triangle;
+    std::array<uint32_t, 3> place, attributes;
+  };
+
+  /// place_in_copy: of each place of the work mesh kNone, in and out.
+  void add_part(uint32_t part, WorkMesh& all, std::vector<uint32_t>& place_in_copy,
+                std::vector<Triangle>& triangles) const {
+    const uint32_t original = parts_.original_of(part);
+    const bool is_copy = part != original;
+    const uint32_t copy =
+        is_copy ? twins_.first_copy[class_of_part(original)] + part - parts_.first_copy(original) : Twins::kNone;
+    for (const uint32_t t : parts_.triangles(part)) {
+      if (work_.alive[t] == 0) continue;
+      Triangle& triangle = triangles.emplace_back();
+      triangle.part = part, triangle.source_triangle = work_.source_triangle[t];
+      for (uint32_t c = 0; c < 3; ++c) {
+        const uint32_t place = work_.place[t * 3 + c], vertex = work_.attributes[t * 3 + c];
+        if (is_copy && place_in_copy[place] == WorkMesh::kNone) {
+          place_in_copy[place] = static_cast<uint32_t>(all.place_count());
+          const glm::vec3 position = position_in_copy(place, copy);
+          all.model_positions.push_back(position), all.positions.push_back(position - all.origin);
+        }
+        triangle.place[c] = is_copy ? place_in_copy[place] : place;
+        triangle.attributes[c] = is_copy ? twins_.vertex_of(copy, vertex) : vertex;
+      }
+    }
+    if (!is_copy) return;
+    for (const uint32_t t : parts_.triangles(part))
+      for (uint32_t c = t * 3; c < t * 3 + 3; ++c) place_in_copy[work_.place[c]] = WorkMesh::kNone;
+  }
+
+  /// The source's, bit by bit, where the place has not moved.
+  glm::vec3 position_in_copy(uint32_t place, uint32_t copy) const {
+    const glm::vec3 &from = source_.positions[vertex_of_place_[place]], &now = work_.model_positions[place];
+    const glm::vec3& its = source_.positions[twins_.vertex_of(copy, vertex_of_place_[place])];
+    return now == from ? its : its + (now - from);
+  }
+
   void reduce() {
-    for (drain(); work_.alive_count > target_; drain())
+    for (drain(); work_.shown_count > target_; drain())
       if (!loosen()) return kill_smallest();
   }
 
@@ -122,7 +241,7 @@ class Simplifier {
 
   void queue_parts() {
     if (parts_.count() < 2) return;
-    for (uint32_t part = 0; part < parts_.count(); ++part)
+    for (uint32_t part = 0; part < parts_.originals(); ++part)
       if (work_.alive[parts_.triangles(part).front()] != 0) queue_.set(places() + part, 0);
   }
 
@@ -132,7 +251,7 @@ class Simplifier {
   }
 
   void drain() {
-    while (work_.alive_count > target_ && !queue_.empty()) {
+    while (work_.shown_count > target_ && !queue_.empty()) {
       const uint32_t item = queue_.top();
       if (item >= first_relief())
         try_relief(item - first_relief());
@@ -145,27 +264,34 @@ class Simplifier {
     }
   }
 
-  float raise() {
+  float raise(Shown& shown) {
     if (!(reached_m_ > 0)) return 0;
-    std::vector<uint8_t> may_rise(work_.triangle_count(), 0);
-    for (const Patch& patch : patches_)
-      std::fill_n(may_rise.begin() + patch.first_copy, patch.triangles.size(), uint8_t(1));
+    std::vector<uint8_t> part_may_rise(parts_.count(), 0);
+    for (const Patch& patch : patches_) {
+      const uint32_t part = parts_.of_place(work_.place[patch.first_copy * 3]);
+      part_may_rise[part] = 1;
+      std::fill_n(part_may_rise.begin() + parts_.first_copy(part), parts_.copies(part), uint8_t(1));
+    }
     for (uint32_t part = 0; part < parts_.count(); ++part)
-      if (alive_in_part_[part] > 0 && alive_in_part_[part] <= kMostSheetTriangles) mark_if_on_top(part, may_rise);
+      if (is_here_[part] != 0 && alive_in_part_[parts_.original_of(part)] <= kMostSheetTriangles &&
+          part_may_rise[part] == 0)
+        part_may_rise[part] = is_on_top(part) ? 1 : 0;
+    std::vector<uint8_t> may_rise(shown.work.triangle_count());
+    for (uint32_t t = 0; t < may_rise.size(); ++t) may_rise[t] = part_may_rise[shown.part[t]];
     const float height_m = std::exp2(std::floor(std::log2(kSheetHeight * reached_m_)));
-    return raise_sheets(work_, source_, may_rise, height_m, kSheetReach * reached_m_) ? height_m : 0;
+    return raise_sheets(shown.work, source_, may_rise, height_m, kSheetReach * reached_m_) ? height_m : 0;
   }
 
   /// What was beneath another surface from the beginning stays there.
-  void mark_if_on_top(uint32_t part, std::vector<uint8_t>& may_rise) {
+  bool is_on_top(uint32_t part) {
     const std::vector<uint32_t>& triangles = parts_.triangles(part);
     const auto alive =
         std::find_if(triangles.begin(), triangles.end(), [&](uint32_t t) { return work_.alive[t] != 0; });
-    if (alive == triangles.end() || may_rise[*alive] != 0) return;
+    if (alive == triangles.end()) return false;
     const glm::vec3 a = work_.at(*alive * 3), b = work_.at(*alive * 3 + 1), c = work_.at(*alive * 3 + 2);
-    const std::optional<float> height_m = parts_.height_besides(part, (a + b + c) / 3.0F, glm::cross(b - a, c - a));
-    if (!height_m || *height_m < 0) return;
-    for (const uint32_t t : triangles) may_rise[t] = 1;
+    const std::optional<float> height_m =
+        parts_.height_besides(part, (a + b + c) / 3.0F + parts_.offset(part), glm::cross(b - a, c - a));
+    return height_m && *height_m >= 0;
   }
 
   void try_place(uint32_t place) {
@@ -216,10 +342,15 @@ class Simplifier {
     const auto middle = costs_.begin() + std::ptrdiff_t(costs_.size() / 2);
     std::nth_element(costs_.begin(), middle, costs_.end());
     if (*middle > patience(queued)) return queue_.set(item, *middle);
-    lift(patch, work_);
+    // Of the walls that it is in as many as are there still: at least one, or nothing would close.
     const uint32_t part = parts_.of_place(work_.place[size_t(patch.first_copy) * 3]);
+    const uint32_t wall = parts_.of_place(work_.place[patch.triangles.front() * 3]);
+    uint8_t walls = is_here_[part] = is_here_[wall];
+    for (uint32_t i = 0; i < parts_.copies(part); ++i)
+      walls += is_here_[parts_.first_copy(part) + i] = is_here_[parts_.first_copy(wall) + i];
+    lift(patch, work_, walls);
     alive_in_part_[part] = static_cast<uint32_t>(patch.triangles.size());
-    queue_.set(places() + part, 0);
+    queue_.set(places() + next_of_kind(part), 0);
     for (uint32_t t = 0; t < patch.triangles.size(); ++t)
       for (uint32_t c = 0; c < 3; ++c)
         for (const uint32_t of : {work_.place[(patch.first_copy + t) * 3 + c], work_.place[patch.triangles[t] * 3 + c]})
@@ -241,30 +372,83 @@ class Simplifier {
   /// What costs no more than this may as well be done now: the rest of the queue costs about as much.
   float patience(float queued) const { return std::max(queued, queue_.empty() ? 0 : queue_.top_cost()) * kPatience; }
 
+  /// Of copies one at a time is in the queue, in turn: what surrounds them is much alike. Once one goes the others are
+  /// asked as well.
   void try_part(uint32_t part) {
     const float queued = queue_.top_cost();
     queue_.remove(places() + part);
     const float limit = patience(queued);
+    float least = try_removal(part, limit);
+    uint32_t next = part;
+    if (is_here_[part] == 0) {
+      next = Twins::kNone;
+      const uint32_t original = parts_.original_of(part);
+      for (uint32_t i = 0; i <= parts_.copies(original) && work_.shown_count > target_; ++i) {
+        const uint32_t other = i == 0 ? original : parts_.first_copy(original) + i - 1;
+        if (is_here_[other] == 0) continue;
+        const float cost = try_removal(other, limit);
+        if (is_here_[other] == 0 || (next != Twins::kNone && cost >= least)) continue;
+        next = other, least = cost;
+      }
+      if (alive_in_part_[original] > 0 && next == Twins::kNone) next = next_of_kind(part), least = queued;
+      if (alive_in_part_[original] == 0) return;
+    } else {
+      next = next_of_kind(part);
+    }
+    queue_.set(places() + next, least);
+  }
+
+  /// The next in turn of a part and its twins that are there; itself where it is the only one. One is.
+  uint32_t next_of_kind(uint32_t part) const {
+    const uint32_t original = parts_.original_of(part), first = parts_.first_copy(original);
+    const uint32_t kinds = parts_.copies(original) + 1;
+    uint32_t number = part == original ? 0 : part - first + 1;
+    for (uint32_t i = 0; i < kinds; ++i) {
+      number = number + 1 == kinds ? 0 : number + 1;
+      const uint32_t next = number == 0 ? original : first + number - 1;
+      if (is_here_[next] != 0) return next;
+    }
+    return part;
+  }
+
+  /// Removes a part if that costs no more than the limit. Returns what it costs; over the limit at most that.
+  float try_removal(uint32_t part, float limit) {
     if (!parts_.looked_at(part))  // most are far too dear, as any of their points shows, and never looked at again
-      if (const float cost = parts_.first_look(part, limit); cost > limit) return queue_.set(places() + part, cost);
+      if (const float cost = parts_.first_look(part, limit); cost > limit) return cost;
     gather_points(part, limit);
     float& paint = paint_m_[part];  // asked once: its surroundings change little before it goes
     if (paint < 0) paint = paint_cost(part);
-    if (paint > limit) return queue_.set(places() + part, paint);
+    if (paint > limit) return paint;
     const float cost = parts_.removal_cost(part, points_, limit, beside_);
-    if (cost > limit) return queue_.set(places() + part, std::max(cost, paint));
+    if (cost > limit) return std::max(cost, paint);
     const float now = std::max(cost, distance_now());
-    if (now > limit) return queue_.set(places() + part, now);
+    if (now > limit) return now;
     reached_m_ = std::max(reached_m_, now);
     parts_.remove(part);
-    alive_in_part_[part] = 0;
+    is_here_[part] = 0;
+    uint32_t& alive = alive_in_part_[parts_.original_of(part)];
     for (const uint32_t t : parts_.triangles(part)) {
       if (work_.alive[t] == 0) continue;
+      work_.drop_copy(t);
+      if (work_.alive[t] != 0) continue;
+      alive = 0;
       for (uint32_t c = 0; c < 3; ++c) queue_.remove(work_.place[t * 3 + c]);
-      work_.kill(t);
     }
     for (size_t i = 0; i < points_.size(); ++i)
-      if (triangles_[i] != WorkMesh::kNone) collapser_.add_point(points_[i], triangles_[i]);
+      if (triangles_[i] != WorkMesh::kNone && is_new_point(points_[i], triangles_[i]))
+        collapser_.add_point(points_[i], triangles_[i]);
+    return now;
+  }
+
+  /// Whether what stands for several has not been given such a point before.
+  bool is_new_point(const glm::vec3& point, uint32_t triangle) {
+    if (work_.alive[triangle] < 2) return true;
+    const float scale = std::exp2(-std::ceil(std::log2(std::max(kPointCell * reached_m_, kLeastPointCell))));
+    uint64_t key = parts_.of_place(work_.place[triangle * 3]);
+    key = scramble(key ^ std::bit_cast<uint32_t>(scale));
+    for (int axis = 0; axis < 3; ++axis)
+      key = scramble(key ^ static_cast<uint64_t>(static_cast<int64_t>(std::floor(point[axis] * scale))));
+    return given_points_.insert(key);
   }
 
   /// The points that a part stands for, and some on the inside of what is longer than `spacing_m`: a post touches floor
@@ -284,13 +468,18 @@ class Simplifier {
       }
       if (large) points_.push_back(middle);
     }
+    for (glm::vec3& p : points_) p += parts_.offset(part);
   }
 
   /// Largest distance of points_ to what has become of the surface beside_ them: a ledge removed after the wall behind
-  /// it has gone back to its windows. Finds triangles_, the nearest ones there.
+  /// it has gone back to its windows. Finds triangles_, the nearest ones there. Moves points_ to where what is beside
+  /// them has its original.
   float distance_now() {
     places_.clear();
-    for (const Parts::Beside& found : beside_) places_.push_back(work_.current(work_.place[found.corner]));
+    for (size_t i = 0; i < beside_.size(); ++i) {
+      places_.push_back(work_.current(work_.place[beside_[i].corner]));
+      points_[i] -= parts_.offset(beside_[i].part);
+    }
     return collapser_.nearest_around(points_, places_, triangles_);
   }
 
@@ -333,13 +522,14 @@ class Simplifier {
         by_area.emplace_back(
             glm::length(glm::cross(work_.at(t * 3 + 1) - work_.at(t * 3), work_.at(t * 3 + 2) - work_.at(t * 3))), t);
     std::sort(by_area.begin(), by_area.end());
-    for (size_t i = 0; work_.alive_count > target_; ++i) work_.kill(by_area[i].second);
+    for (size_t i = 0; work_.shown_count > target_; ++i) work_.kill(by_area[i].second);
   }
 
   WorkMesh& work_;
   const Mesh& source_;
   BorderLines borders_;
   std::vector<Patch> patches_;
+  const Twins twins_;
   Parts parts_;
   const uint32_t wanted_;  // with what comes besides
   uint32_t target_;        // without
@@ -347,15 +537,18 @@ class Simplifier {
   Collapser collapser_;
   ReliefPress press_;
   CostQueue queue_;
-  std::vector<uint32_t> alive_in_part_;
-  std::vector<float> paint_m_;        // of each part: paint_cost, once it has been asked; less than 0 before
-  std::vector<float> may_fall_to_m_;  // of each place: what it costs for certain, should nothing flip any more
+  std::vector<uint32_t> alive_in_part_;    // of each original: triangles
+  std::vector<uint8_t> is_here_;           // of each part: alive in the beginning or lifted, and not gone
+  std::vector<uint32_t> vertex_of_place_;  // of the source, where the place was in the beginning
+  std::vector<float> paint_m_;             // of each part: paint_cost, once it has been asked; less than 0 before
+  std::vector<float> may_fall_to_m_;       // of each place: what it costs for certain, should nothing flip any more
   std::vector<uint32_t> ring_;
   std::vector<glm::vec3> points_;
   float reached_m_ = 0;  // the largest cost that was paid
   std::vector<float> costs_;
   std::vector<Parts::Beside> beside_;  // of each of points_, among what remains
   std::vector<uint32_t> places_, triangles_;
+  KeySet given_points_;  // cells of them, by part, to what stands for several
 };
 
 }  // namespace
@@ -376,11 +569,12 @@ Mesh simplify(const Mesh& mesh, const SimplifyOptions& options, Border& border, 
       return result;
     }
   }
-  Simplifier simplifier(work, mesh, options, border);
-  const SimplifyFigures reached = simplifier.run(options.besides);
+  const BorderLines borders(work, border);
+  Twins twins = take_twins(work, mesh, [&](uint32_t place) { return borders.has(place); });
+  SimplifyFigures reached;
+  Mesh result = Simplifier(work, mesh, std::move(twins), options, border).run(options.besides, border, reached);
   if (figures != nullptr) *figures = reached;
-  border = simplifier.border();
-  return finish(work, mesh);
+  return result;
 }
 
 Mesh simplify(const Mesh& mesh, const SimplifyOptions& options, SimplifyFigures* figures) {

@@ -13,8 +13,8 @@ namespace promenade {
 
 struct SimplifyOptions {
   uint32_t target_triangles = 2000;
-  /// How many triangles come to such a mesh with such a border besides, as fins do: the target counts them. Unset:
-  /// none.
+  /// How many triangles come to such a mesh with such a border besides, as fins do: the target counts them. May be
+  /// asked of a mesh without some of its parts, where these have no border. Unset: none.
   std::function<size_t(const Mesh& mesh, const Border& border)> besides = {};
 };
 

@@ -13,6 +13,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "preprocess/key_set.h"
 #include "preprocess/weld.h"
 
 namespace promenade {
@@ -220,14 +221,6 @@ class Common {
   std::vector<uint32_t> of_vertex_;  // places: a's vertices, then b's
   std::array<Side, 2> sides_;
 };
-
-/// splitmix64's finisher: a fixed scramble of the sample's number.
-uint64_t scramble(uint64_t z) {
-  z += 0x9e3779b97f4a7c15ULL;
-  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31U);
-}
 
 /// Distances from one mesh to another.
 class Direction {

@@ -33,7 +33,9 @@ bool repeats(const WorkMesh& work, const Mesh& mesh, uint32_t triangle) {
 WorkMesh make_work_mesh(const Mesh& mesh) {
   const Places places = find_places(mesh.positions);
   WorkMesh work;
-  work.origin = bounds(mesh).center();
+  const Box box = bounds(mesh);
+  work.origin = box.center();
+  work.diagonal_m = box.diagonal();
   work.positions.reserve(places.count());
   work.model_positions.reserve(places.count());
   for (const uint32_t v : places.first_vertex) {
@@ -63,7 +65,7 @@ WorkMesh make_work_mesh(const Mesh& mesh) {
       work.first_corner[p[c]] = triangle * 3 + c;
     }
   }
-  work.alive_count = static_cast<uint32_t>(work.source_triangle.size());
+  work.alive_count = work.shown_count = static_cast<uint32_t>(work.source_triangle.size());
   work.alive.assign(work.alive_count, 1);
   return work;
 }

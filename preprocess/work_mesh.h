@@ -15,16 +15,18 @@ struct WorkMesh {
   static constexpr uint32_t kNone = 0xffffffffU;
 
   glm::vec3 origin{0};
+  float diagonal_m = 0;                    ///< of the whole surface's box
   std::vector<glm::vec3> positions;        ///< of each place
   std::vector<glm::vec3> model_positions;  ///< of each place, as the source has them, bit by bit
   std::vector<uint32_t> place;             ///< of each corner
   std::vector<uint32_t> attributes;        ///< of each corner: the source vertex whose attributes it shows
   std::vector<uint32_t> source_triangle;   ///< of each triangle
-  std::vector<uint8_t> alive;              ///< of each triangle
+  std::vector<uint8_t> alive;              ///< of each triangle: how many it stands for, itself and copies; 0: gone
   std::vector<uint32_t> first_corner;      ///< of each place: a chain of corners, dead triangles' among them
   std::vector<uint32_t> next_corner;       ///< of each corner
   std::vector<uint32_t> merged_into;       ///< of each place: where it went, or itself
-  uint32_t alive_count = 0;
+  uint32_t alive_count = 0;                ///< triangles that are
+  uint32_t shown_count = 0;                ///< triangles that they stand for
 
   size_t triangle_count() const { return alive.size(); }
   size_t place_count() const { return positions.size(); }
@@ -37,8 +39,14 @@ struct WorkMesh {
   }
 
   void kill(uint32_t triangle) {
-    alive_count -= alive[triangle];
+    alive_count -= alive[triangle] != 0 ? 1U : 0U;
+    shown_count -= alive[triangle];
     alive[triangle] = 0;
+  }
+  /// A triangle that is alive stands for one less.
+  void drop_copy(uint32_t triangle) {
+    if (alive[triangle] == 1) return kill(triangle);
+    --alive[triangle], --shown_count;
   }
 };
 
