@@ -241,8 +241,7 @@ class Simplifier {
 
   void queue_parts() {
     if (parts_.count() < 2) return;
-    for (uint32_t part = 0; part < parts_.originals(); ++part)
-      if (work_.alive[parts_.triangles(part).front()] != 0) queue_.set(places() + part, 0);
+    for (uint32_t part = 0; part < parts_.originals(); ++part) queue_with_copies(part);
   }
 
   void queue_places() {
@@ -350,7 +349,7 @@ class Simplifier {
       walls += is_here_[parts_.first_copy(part) + i] = is_here_[parts_.first_copy(wall) + i];
     lift(patch, work_, walls);
     alive_in_part_[part] = static_cast<uint32_t>(patch.triangles.size());
-    queue_.set(places() + next_of_kind(part), 0);
+    queue_with_copies(part);
     for (uint32_t t = 0; t < patch.triangles.size(); ++t)
       for (uint32_t c = 0; c < 3; ++c)
         for (const uint32_t of : {work_.place[(patch.first_copy + t) * 3 + c], work_.place[patch.triangles[t] * 3 + c]})
@@ -361,54 +360,40 @@ class Simplifier {
     const float queued = queue_.top_cost();
     queue_.remove(first_relief() + index);
     const float limit = patience(queued);
-    const uint32_t before = work_.alive_count;
     const float cost = press_.press(index, limit);
     if (cost > limit) return queue_.set(first_relief() + index, cost);
     reached_m_ = std::max(reached_m_, cost);
-    alive_in_part_[parts_.of_place(press_.changed().front())] -= before - work_.alive_count;
     for (const uint32_t place : press_.changed()) queue_again(place);
+    count_alive_around(press_.changed());
+  }
+
+  /// Of the parts that have the places: a wall's, and those of what is painted on it.
+  void count_alive_around(const std::vector<uint32_t>& places) {
+    std::vector<uint32_t> parts;
+    for (const uint32_t place : places) parts.push_back(parts_.of_place(place));
+    std::sort(parts.begin(), parts.end());
+    parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
+    for (const uint32_t part : parts) {
+      const std::vector<uint32_t>& triangles = parts_.triangles(part);
+      alive_in_part_[part] = static_cast<uint32_t>(
+          std::count_if(triangles.begin(), triangles.end(), [&](uint32_t t) { return work_.alive[t] != 0; }));
+    }
   }
 
   /// What costs no more than this may as well be done now: the rest of the queue costs about as much.
   float patience(float queued) const { return std::max(queued, queue_.empty() ? 0 : queue_.top_cost()) * kPatience; }
 
-  /// Of copies one at a time is in the queue, in turn: what surrounds them is much alike. Once one goes the others are
-  /// asked as well.
   void try_part(uint32_t part) {
     const float queued = queue_.top_cost();
     queue_.remove(places() + part);
-    const float limit = patience(queued);
-    float least = try_removal(part, limit);
-    uint32_t next = part;
-    if (is_here_[part] == 0) {
-      next = Twins::kNone;
-      const uint32_t original = parts_.original_of(part);
-      for (uint32_t i = 0; i <= parts_.copies(original) && work_.shown_count > target_; ++i) {
-        const uint32_t other = i == 0 ? original : parts_.first_copy(original) + i - 1;
-        if (is_here_[other] == 0) continue;
-        const float cost = try_removal(other, limit);
-        if (is_here_[other] == 0 || (next != Twins::kNone && cost >= least)) continue;
-        next = other, least = cost;
-      }
-      if (alive_in_part_[original] > 0 && next == Twins::kNone) next = next_of_kind(part), least = queued;
-      if (alive_in_part_[original] == 0) return;
-    } else {
-      next = next_of_kind(part);
-    }
-    queue_.set(places() + next, least);
+    if (const float cost = try_removal(part, patience(queued)); is_here_[part] != 0) queue_.set(places() + part, cost);
   }
 
-  /// The next in turn of a part and its twins that are there; itself where it is the only one. One is.
-  uint32_t next_of_kind(uint32_t part) const {
-    const uint32_t original = parts_.original_of(part), first = parts_.first_copy(original);
-    const uint32_t kinds = parts_.copies(original) + 1;
-    uint32_t number = part == original ? 0 : part - first + 1;
-    for (uint32_t i = 0; i < kinds; ++i) {
-      number = number + 1 == kinds ? 0 : number + 1;
-      const uint32_t next = number == 0 ? original : first + number - 1;
-      if (is_here_[next] != 0) return next;
-    }
-    return part;
+  /// An original and its copies, as far as they are there: each by itself.
+  void queue_with_copies(uint32_t original) {
+    if (is_here_[original] != 0) queue_.set(places() + original, 0);
+    for (uint32_t i = 0; i < parts_.copies(original); ++i)
+      if (const uint32_t copy = parts_.first_copy(original) + i; is_here_[copy] != 0) queue_.set(places() + copy, 0);
   }
 
   /// Removes a part if that costs no more than the limit. Returns what it costs; over the limit at most that.
