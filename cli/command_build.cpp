@@ -80,6 +80,11 @@ Result<GeometryCodec> parse_codec(const std::string& text) {
   return Error{fmt::format("\"{}\" is no geometry codec: grown, meshopt, draco or raw", text)};
 }
 
+Result<LevelFactors> parse_level_factors(const std::string& text) {
+  if (const std::optional<LevelFactors> factors = LevelFactors::named(text)) return *factors;
+  return Error{fmt::format("\"{}\" are no numbers with commas between, such as 3,2,4", text)};
+}
+
 Result<CellStyle> parse_cells(const std::string& text) {
   if (const std::optional<CellStyle> style = cell_style_named(text)) return *style;
   return Error{fmt::format("\"{}\" is no division of viewing space: auto, octree, kd or none", text)};
@@ -242,9 +247,10 @@ Command add_build(CLI::App& program) {
   app->add_option("--node-triangles", options->node_triangles,
                   "Most triangles of a node; more: fewer draws, coarser culling")
       ->capture_default_str();
-  app->add_option("--level-factor", options->level_factor,
-                  "About how many children a node has: the ratio of triangles between levels")
-      ->capture_default_str();
+  add_parsed<LevelFactors>(*app, "--level-factor", options->level_factors, parse_level_factors,
+                           "About how many children nodes have, from just above the leaves up; the last for all levels "
+                           "above it. Smaller: finer levels, a larger model")
+      ->default_str(options->level_factors.name());
   add_parsed<GeometryCodec>(*app, "--geometry-codec", options->geometry_codec, parse_codec,
                             "grown, meshopt, draco or raw")
       ->default_str("grown");

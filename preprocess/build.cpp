@@ -24,7 +24,7 @@ namespace {
 
 constexpr uint64_t kHidersPart = 2;  // of the memory: nothing else of a build is in it by then
 
-constexpr uint32_t kUnitsVersion = 18;  // of the work units' content: a change makes builds begin anew
+constexpr uint32_t kUnitsVersion = 19;  // of the work units' content: a change makes builds begin anew
 
 /// Measures the stages of a build.
 class StageClock {
@@ -54,7 +54,7 @@ Status check_options(const BuildOptions& o) {
     return Error{fmt::format("--{} {}: must be between {} and {}", name, value, least, most)};
   };
   PROMENADE_TRY(check("node-triangles", o.node_triangles, 100, 60000));
-  PROMENADE_TRY(check("level-factor", o.level_factor, 2, 16));
+  for (const uint32_t factor : o.level_factors.list()) PROMENADE_TRY(check("level-factor", factor, 2, 16));
   if (o.chunk_triangles != 0) PROMENADE_TRY(check("chunk-triangles", o.chunk_triangles, 1000, 1U << 24));
   PROMENADE_TRY(check("max-texture", o.max_texture_px, 64, 16384));
   PROMENADE_TRY(check("jpeg-quality", o.jpeg_quality < 0 ? 0U : static_cast<uint32_t>(o.jpeg_quality), 1, 100));
@@ -72,7 +72,7 @@ uint64_t tool_hash() {
 uint64_t hash_of(const BuildOptions& o, const MemoryBudget& budget, const Survey& survey) {
   UnitWriter writer;
   writer.value(tool_hash()), writer.value(survey.hash);
-  writer.value(o.node_triangles), writer.value(o.level_factor), writer.value(o.geometry_codec);
+  writer.value(o.node_triangles), writer.array(o.level_factors.list()), writer.value(o.geometry_codec);
   writer.value(o.max_texture_px), writer.value(o.jpeg_quality);
   writer.value(budget.chunk_triangles), writer.value(budget.samples);
   return checksum(writer.bytes());
@@ -112,7 +112,7 @@ uint64_t hash_of(const BuildOptions& o, uint64_t tree_hash) {
 std::map<std::string, std::string> settings_of(const BuildOptions& o, const MemoryBudget& budget) {
   std::map<std::string, std::string> settings{
       {"node-triangles", fmt::format("{}", o.node_triangles)},
-      {"level-factor", fmt::format("{}", o.level_factor)},
+      {"level-factor", o.level_factors.name()},
       {"geometry-codec", std::string(name_of(o.geometry_codec))},
       {"max-texture", fmt::format("{}", o.max_texture_px)},
       {"jpeg-quality", fmt::format("{}", o.jpeg_quality)},
@@ -202,7 +202,7 @@ class Build {
 
     const MaterialBase base(survey->materials.materials());
     const NodeBuilder builder(base, textures, node_options(*survey));
-    const TreeOptions tree_options{options_.node_triangles, options_.level_factor, hash_,
+    const TreeOptions tree_options{options_.node_triangles, options_.level_factors, hash_,
                                    survey->classes.size() > 1 || !survey->classes.contains("")};
     Result<std::vector<NodeUnit>> objects =
         build_objects(*survey, options_.import, builder, tree_options, folder_, monitor_);
@@ -214,7 +214,7 @@ class Build {
     const uint64_t still = survey->triangles - survey->moving_triangles;
     if (still > 0)
       tree = divide_into_chunks(survey->samples, {still, budget_.chunk_triangles, options_.node_triangles,
-                                                  options_.level_factor, survey->origin});
+                                                  options_.level_factors, survey->origin});
     survey->samples = {};
     const Result<SpillIndex> spill =
         partition_source(*survey, tree, options_.import, budget_, folder_, hash_, monitor_);
@@ -343,7 +343,7 @@ class Build {
 Result<BuildFigures> build_model(const BuildOptions& options, JobMonitor& monitor, FileSystem& files) {
   PROMENADE_TRY(check_options(options));
   const Result<MemoryBudget> budget = plan_memory(
-      {options.memory_bytes, options.jobs, options.node_triangles, options.level_factor, options.chunk_triangles});
+      {options.memory_bytes, options.jobs, options.node_triangles, options.level_factors, options.chunk_triangles});
   if (!budget.ok()) return budget.error();
   const Result<FileLock> lock =
       FileLock::acquire(beside(options.model, ".lock"), fmt::format("model {}", options.model.string()));

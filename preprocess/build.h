@@ -12,6 +12,7 @@
 #include "layout/file_io.h"
 #include "preprocess/far/far_units.h"
 #include "preprocess/import.h"
+#include "preprocess/level_factors.h"
 #include "preprocess/node_order.h"
 #include "preprocess/visibility/visibility.h"
 
@@ -23,10 +24,9 @@ struct BuildOptions {
   ImportOptions import;
   uint64_t memory_bytes = uint64_t(4) << 30;  ///< hard bound on resident memory
   uint32_t jobs = 0;                          ///< threads; 0: as many as cores
-  uint32_t node_triangles = 2000;  ///< most triangles of a node; 100 to 60000. More: fewer draws, coarser culling
-  /// About how many children a node has (2 to one and a half of this; they are filled evenly), and so the ratio of
-  /// triangles between levels; 2 to 16. [lakhia2004]: 4
-  uint32_t level_factor = 3;
+  uint32_t node_triangles = 2250;  ///< most triangles of a node; 100 to 60000. More: fewer draws, coarser culling
+  /// About how many children nodes have, and so the ratio of triangles between levels; each 2 to 16. [lakhia2004]: 4
+  LevelFactors level_factors;
   uint32_t chunk_triangles = 0;  ///< about the most triangles of a work unit, 1000 or more; 0: what memory allows
   GeometryCodec geometry_codec = GeometryCodec::grown;
   uint32_t max_texture_px = 2048;  ///< longest side of a stored texture; 64 to 16384

@@ -10,10 +10,6 @@ namespace promenade {
 
 namespace {
 
-// Leaves are planned a little below their limit, because planes on the lattice share out a little unevenly.
-constexpr double kFill = 0.95;
-// Children of a node just above the leaves, to the wanted number.
-constexpr double kMostFactor = 1.5;
 // Steps of the cutting lattice to a leaf's side, taking the triangles for a surface: pieces small enough for tight
 // boxes.
 constexpr double kStepsOfLeaf = 4;
@@ -25,7 +21,9 @@ constexpr double kMostMoved = 0.03;
 class Divider {
  public:
   Divider(const ChunkTreeOptions& options, double triangles_per_sample)
-      : options_(options), triangles_per_sample_(triangles_per_sample) {}
+      : options_(options),
+        factors_(options.level_factors.above(double(options.chunk_triangles) / options.node_triangles)),
+        triangles_per_sample_(triangles_per_sample) {}
 
   struct Refs {
     uint32_t node, plane;
@@ -38,7 +36,7 @@ class Divider {
       tree.chunk_cells.push_back(cell);
       return {chunk, chunk};
     }
-    LeafShares shares(triangles, options_.chunk_triangles, options_.level_factor);
+    LeafShares shares(triangles, options_.chunk_triangles, factors_);
     shares.children = static_cast<uint32_t>(std::min<size_t>(shares.children, samples.size()));
     const auto branch = static_cast<uint32_t>(tree.branches.size());
     tree.branches.emplace_back();
@@ -85,9 +83,15 @@ class Divider {
     const auto less = [axis](const TriangleSample& a, const TriangleSample& b) {
       return std::tie(a.centroid[axis], a.priority) < std::tie(b.centroid[axis], b.priority);
     };
-    std::sort(samples.begin(), samples.end(), less);
-    rank = between_places(samples, axis, rank);
-    const double value = (samples[rank - 1].centroid[axis] + samples[rank].centroid[axis]) / 2;
+    const auto at_rank = samples.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(samples.begin(), at_rank, samples.end(), less);
+    double below = std::max_element(samples.begin(), at_rank, less)->centroid[axis];
+    if (!(below < at_rank->centroid[axis])) {  // places coincide
+      std::sort(samples.begin(), samples.end(), less);
+      rank = between_places(samples, axis, rank);
+      below = samples[rank - 1].centroid[axis];
+    }
+    const double value = (below + samples[rank].centroid[axis]) / 2;
     plane.axis = axis;
     plane.value = static_cast<float>(value - options_.origin[axis]);
     snap(samples, axis, rank, plane);
@@ -95,14 +99,14 @@ class Divider {
   }
 
   /// Moves the plane onto the lattice where that changes its rank by little.
-  void snap(std::span<const TriangleSample> samples, int axis, size_t& rank, ChunkTree::Plane& plane) const {
+  void snap(std::span<TriangleSample> samples, int axis, size_t& rank, ChunkTree::Plane& plane) const {
     const float value = on_lattice(plane.value, tree.cut_step_m);
     const double world = double(value) + options_.origin[axis];
-    const auto above = std::lower_bound(samples.begin(), samples.end(), world,
-                                        [axis](const TriangleSample& s, double v) { return s.centroid[axis] < v; });
-    const auto snapped = static_cast<size_t>(above - samples.begin());
+    const auto is_below = [&](const TriangleSample& s) { return s.centroid[axis] < world; };
+    const auto snapped = static_cast<size_t>(std::count_if(samples.begin(), samples.end(), is_below));
     const size_t moved = std::max(snapped, rank) - std::min(snapped, rank);
     if (snapped == 0 || snapped == samples.size() || double(moved) > kMostMoved * double(samples.size())) return;
+    std::partition(samples.begin(), samples.end(), is_below);
     rank = snapped, plane.value = value;
   }
 
@@ -118,31 +122,11 @@ class Divider {
   }
 
   const ChunkTreeOptions& options_;
+  LevelFactors factors_;  // above chunks
   double triangles_per_sample_;
 };
 
 }  // namespace
-
-LeafShares::LeafShares(uint64_t triangles, uint32_t leaf_triangles, uint32_t level_factor, uint32_t planned) {
-  if (triangles <= leaf_triangles) return;
-  const bool plan_holds = planned > 1 && triangles <= uint64_t(planned) * leaf_triangles;
-  leaves = plan_holds ? planned
-                      : static_cast<uint32_t>(std::max(2.0, std::ceil(double(triangles) / (kFill * leaf_triangles))));
-  const double factor = level_factor;
-  children = leaves;
-  if (double(leaves) <= kMostFactor * factor) return;
-  double below = 1;  // leaves of a full subtree one level down
-  while (below * factor <= double(leaves)) below *= factor;
-  const double full = double(leaves) / below;  // 1 to level_factor
-  // Each child is left with 0.75 to 1.5 full subtrees, which is what nodes above leaves will have in leaves.
-  children = static_cast<uint32_t>(full < kMostFactor ? factor : std::max(2.0, std::floor(full)));
-}
-
-uint32_t LeafShares::leaves_of(uint32_t first, uint32_t last) const {
-  uint32_t sum = 0;
-  for (uint32_t child = first; child < last; ++child) sum += leaves_of(child);
-  return sum;
-}
 
 Box unbounded_cell() {
   return {glm::vec3(std::numeric_limits<float>::lowest()), glm::vec3(std::numeric_limits<float>::max())};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/box.h"
+#include "preprocess/level_factors.h"
 
 namespace promenade {
 
@@ -15,20 +16,6 @@ struct TriangleSample {
   float edge_m = 0;        ///< longest edge
   float area_m2 = 0;
   uint64_t priority = 0;  ///< the smaller stay
-};
-
-/// How `leaves` leaves are shared out to the children of one node: no child gets more than one leaf more than another.
-/// Nodes just above the leaves have about level_factor children (two thirds to one and a half of it), those nearer to
-/// the root may have fewer: so the inner nodes, all of one size, are few.
-struct LeafShares {
-  uint32_t leaves = 1;
-  uint32_t children = 1;
-  /// planned: leaves that the triangles were meant for when they were divided; kept while the leaves' limit holds, as
-  /// cutting adds triangles to each. 0: none were.
-  LeafShares(uint64_t triangles, uint32_t leaf_triangles, uint32_t level_factor, uint32_t planned = 0);
-  uint32_t leaves_of(uint32_t child) const { return leaves / children + (child < leaves % children ? 1U : 0U); }
-  /// Leaves of the children [first, last).
-  uint32_t leaves_of(uint32_t first, uint32_t last) const;
 };
 
 /// A tree of planes that ends in chunks, and the tree of nodes above the chunks that follows from it.
@@ -62,7 +49,7 @@ struct ChunkTreeOptions {
   uint64_t triangles = 0;        ///< of the source
   uint32_t chunk_triangles = 0;  ///< a chunk's limit, which holds on average
   uint32_t node_triangles = 0;
-  uint32_t level_factor = 3;
+  LevelFactors level_factors;
   glm::dvec3 origin{0};
 };
 

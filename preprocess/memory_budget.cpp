@@ -40,13 +40,13 @@ Result<MemoryBudget> plan_memory(const MemoryWishes& wishes) {
   MemoryBudget budget;
   budget.memory_bytes = wishes.memory_bytes;
   const uint64_t free = wishes.memory_bytes - kProgram;
-  // Half as many children again as the level factor says: see LeafShares.
+  // Half as many children again as a level's factor says: see LeafShares.
   const uint64_t node = uint64_t(wishes.node_triangles) *
-                        (wishes.level_factor * kNodeTriangle * 3 / 2 + kReferenceNodes * kReferenceTriangle);
+                        (wishes.level_factors.largest() * kNodeTriangle * 3 / 2 + kReferenceNodes * kReferenceTriangle);
   if (node > free / 4)
-    return needs(
-        fmt::format("a level factor of {} with nodes of {} triangles", wishes.level_factor, wishes.node_triangles),
-        4 * node);
+    return needs(fmt::format("a level factor of {} with nodes of {} triangles", wishes.level_factors.largest(),
+                             wishes.node_triangles),
+                 4 * node);
   const uint32_t jobs = wishes.jobs != 0 ? wishes.jobs : std::max(1U, std::thread::hardware_concurrency());
   budget.jobs = static_cast<uint32_t>(std::min<uint64_t>(jobs, free / 4 / node));
 

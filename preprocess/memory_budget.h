@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "geometry/result.h"
+#include "preprocess/level_factors.h"
 
 namespace promenade {
 
@@ -24,8 +25,8 @@ struct MemoryBudget {
 struct MemoryWishes {
   uint64_t memory_bytes = 0;
   uint32_t jobs = 0;  ///< 0: as many as cores
-  uint32_t node_triangles = 2000;
-  uint32_t level_factor = 3;
+  uint32_t node_triangles = 2250;
+  LevelFactors level_factors;
   uint32_t chunk_triangles = 0;  ///< 0: what memory allows
 };
 

@@ -64,7 +64,7 @@ struct NodeSurface {
 };
 
 struct NodeBuilderOptions {
-  uint32_t node_triangles = 2000;
+  uint32_t node_triangles = 2250;
   GeometryCodec codec = GeometryCodec::grown;
   float leaf_step_m = 1.0F / 1024;  ///< a power of two: the grid that all leaves share
   int jpeg_quality = 85;

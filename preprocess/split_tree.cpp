@@ -23,8 +23,8 @@ struct SplitPlane {
 
 class Splitter {
  public:
-  Splitter(const Mesh& mesh, uint32_t node_triangles, uint32_t level_factor, float cut_step_m)
-      : node_triangles_(node_triangles), level_factor_(level_factor), cut_step_m_(cut_step_m) {
+  Splitter(const Mesh& mesh, uint32_t node_triangles, const LevelFactors& factors, float cut_step_m)
+      : node_triangles_(node_triangles), factors_(factors), cut_step_m_(cut_step_m) {
     centroids_.reserve(mesh.triangle_count());
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t) centroids_.push_back(centroid(mesh, t));
   }
@@ -35,7 +35,7 @@ class Splitter {
   Nodes split(std::vector<uint32_t> triangles, const Box& cell, uint32_t planned = 0) const {
     Nodes nodes(1);
     nodes.front().cell = cell;
-    const LeafShares shares(triangles.size(), node_triangles_, level_factor_, planned);
+    const LeafShares shares(triangles.size(), node_triangles_, factors_, planned);
     if (shares.leaves == 1) {
       std::sort(triangles.begin(), triangles.end());
       nodes.front().triangles = std::move(triangles);
@@ -100,18 +100,19 @@ class Splitter {
     return plane;
   }
 
-  uint32_t node_triangles_, level_factor_;
+  uint32_t node_triangles_;
+  const LevelFactors& factors_;
   float cut_step_m_;
   std::vector<glm::vec3> centroids_;
 };
 
 }  // namespace
 
-SplitTree split_chunk(const Mesh& mesh, const Box& cell, uint32_t node_triangles, uint32_t level_factor,
+SplitTree split_chunk(const Mesh& mesh, const Box& cell, uint32_t node_triangles, const LevelFactors& factors,
                       float cut_step_m) {
   std::vector<uint32_t> all(mesh.triangle_count());
   std::iota(all.begin(), all.end(), 0U);
-  return {Splitter(mesh, node_triangles, level_factor, cut_step_m).split(std::move(all), cell)};
+  return {Splitter(mesh, node_triangles, factors, cut_step_m).split(std::move(all), cell)};
 }
 
 }  // namespace promenade

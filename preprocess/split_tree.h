@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/mesh.h"
+#include "preprocess/level_factors.h"
 
 namespace promenade {
 
@@ -19,11 +20,11 @@ struct SplitTree {
 };
 
 /// Divides by planes across the longest extent of the triangles' centroids, so that leaves hold at most node_triangles
-/// and most of them hold nearly as many; inner nodes have 2 to one and a half times level_factor children. Triangles
-/// stay whole, on their centroid's side of a plane; planes lie on the lattice of cut_step_m (lattice_cut.h) where they
-/// can. Ends for any triangles, also when all lie in one place. Deterministic. The halves of a cut are divided at
-/// once, by tasks of TBB.
-SplitTree split_chunk(const Mesh& mesh, const Box& cell, uint32_t node_triangles, uint32_t level_factor,
+/// and most of them hold nearly as many; inner nodes have 2 to one and a half times their level's factor children.
+/// Triangles stay whole, on their centroid's side of a plane; planes lie on the lattice of cut_step_m (lattice_cut.h)
+/// where they can. Ends for any triangles, also when all lie in one place. Deterministic. The halves of a cut are
+/// divided at once, by tasks of TBB.
+SplitTree split_chunk(const Mesh& mesh, const Box& cell, uint32_t node_triangles, const LevelFactors& factors,
                       float cut_step_m = 0);
 
 }  // namespace promenade

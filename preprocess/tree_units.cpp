@@ -82,7 +82,7 @@ class ChunkWork {
             const NodeBuilder& builder, const TreeOptions& options, Progress& progress)
       : mesh_(std::move(mesh)),
         classes_(classes, options.named_classes),
-        split_(split_chunk(mesh_, cell, options.node_triangles, options.level_factor, cut_step_m)),
+        split_(split_chunk(mesh_, cell, options.node_triangles, options.level_factors, cut_step_m)),
         nodes_(split_.nodes.size()),
         builder_(builder),
         progress_(progress) {

@@ -14,8 +14,8 @@
 namespace promenade {
 
 struct TreeOptions {
-  uint32_t node_triangles = 2000;
-  uint32_t level_factor = 3;
+  uint32_t node_triangles = 2250;
+  LevelFactors level_factors;
   uint64_t hash = 0;           ///< of all that the units depend on
   bool named_classes = false;  ///< leaves keep how much of them is of which class
 };

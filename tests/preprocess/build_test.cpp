@@ -281,9 +281,9 @@ TEST_F(Build, refuses_settings_out_of_range) {
   BuildOptions options = small_build(folder.write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), model);
   options.node_triangles = 99;
   EXPECT_EQ(error_of(options), "--node-triangles 99: must be between 100 and 60000");
-  options.node_triangles = 2000, options.level_factor = 17;
+  options.node_triangles = 2000, options.level_factors = {3, 17};
   EXPECT_EQ(error_of(options), "--level-factor 17: must be between 2 and 16");
-  options.level_factor = 4, options.memory_bytes = 1 << 20;
+  options.level_factors = {4}, options.memory_bytes = 1 << 20;
   EXPECT_EQ(error_of(options), "--memory 1 MiB is too little to build with; give at least 256 MiB");
 }
 

@@ -23,7 +23,7 @@ std::vector<TriangleSample> samples_of(const Mesh& mesh) {
 
 ChunkTree tree_over(const Mesh& mesh, uint32_t chunk_triangles) {
   std::vector<TriangleSample> samples = samples_of(mesh);
-  return divide_into_chunks(samples, {mesh.triangle_count(), chunk_triangles, 100, 4, glm::dvec3(0)});
+  return divide_into_chunks(samples, {mesh.triangle_count(), chunk_triangles, 100, {4}, glm::dvec3(0)});
 }
 
 TEST(ChunkTree, is_one_chunk_for_few_triangles) {
@@ -123,17 +123,17 @@ TEST_F(Spill, work_unit_counts_only_with_its_own_hash_and_undamaged) {
 }
 
 TEST(MemoryBudget, refuses_too_little_memory_and_says_how_much_is_needed) {
-  const Result<MemoryBudget> little = plan_memory({uint64_t(100) << 20, 2, 2000, 4, 0});
+  const Result<MemoryBudget> little = plan_memory({uint64_t(100) << 20, 2, 2000, {4}, 0});
   ASSERT_FALSE(little.ok());
   EXPECT_EQ(little.error().message, "--memory 100 MiB is too little to build with; give at least 256 MiB");
-  const Result<MemoryBudget> large_nodes = plan_memory({uint64_t(256) << 20, 2, 60000, 16, 0});
+  const Result<MemoryBudget> large_nodes = plan_memory({uint64_t(256) << 20, 2, 60000, {16}, 0});
   ASSERT_FALSE(large_nodes.ok());
   EXPECT_NE(large_nodes.error().message.find("needs --memory"), std::string::npos);
 }
 
 TEST(MemoryBudget, decides_what_affects_bytes_without_looking_at_threads) {
-  const Result<MemoryBudget> one = plan_memory({uint64_t(4) << 30, 1, 2000, 4, 0});
-  const Result<MemoryBudget> many = plan_memory({uint64_t(4) << 30, 64, 2000, 4, 0});
+  const Result<MemoryBudget> one = plan_memory({uint64_t(4) << 30, 1, 2000, {4}, 0});
+  const Result<MemoryBudget> many = plan_memory({uint64_t(4) << 30, 64, 2000, {4}, 0});
   EXPECT_EQ(one->chunk_triangles, many->chunk_triangles);
   EXPECT_EQ(one->samples, many->samples);
 }
