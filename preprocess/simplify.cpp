@@ -370,6 +370,7 @@ class Simplifier {
   /// Of the parts that have the places: a wall's, and those of what is painted on it.
   void count_alive_around(const std::vector<uint32_t>& places) {
     std::vector<uint32_t> parts;
+    parts.reserve(places.size());
     for (const uint32_t place : places) parts.push_back(parts_.of_place(place));
     std::sort(parts.begin(), parts.end());
     parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
