@@ -384,6 +384,7 @@ class Simplifier {
   /// What costs no more than this may as well be done now: the rest of the queue costs about as much.
   float patience(float queued) const { return std::max(queued, queue_.empty() ? 0 : queue_.top_cost()) * kPatience; }
 
+  /// Copies too wait each at its own cost: one in turn for all would keep a cheap one waiting for a dear one.
   void try_part(uint32_t part) {
     const float queued = queue_.top_cost();
     queue_.remove(places() + part);
